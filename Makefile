@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A thin face on CMakePresets.json. JOBS=4 make ... to build with four compilers at once.
+JOBS ?= $(shell nproc)
+export CTEST_PARALLEL_LEVEL ?= $(JOBS)
+
+.PHONY: all packages build demo test test-long test-asan bench lint clean
+
+all: build
+
+packages:
+	@packaging/install-packages.sh
+
+build: packages
+	@cmake --preset dev --log-level=WARNING
+	@cmake --build --preset dev -j $(JOBS)
+
+demo: build
+	@packaging/demo.sh
+
+test: build
+	@ctest --preset dev -j $(JOBS)
+
+test-long: build
+	@ctest --preset long
+
+# The rooms that guard the archive, under AddressSanitizer and UndefinedBehaviorSanitizer.
+test-asan: packages
+	@cmake --preset asan-ubsan --log-level=WARNING
+	@cmake --build --preset asan-ubsan -j $(JOBS) --target tests-db tests-capture
+	@ctest --preset asan-ubsan -j $(JOBS) -L '^(db|capture)$$'
+
+bench: packages
+	@cmake --preset release --log-level=WARNING
+	@cmake --build --preset release -j $(JOBS) --target patina_bench
+	@build-release/patina_bench
+
+lint: packages
+	@packaging/lint.sh
+
+clean:
+	@cmake -E rm -rf build build-release build-asan build-tsan out

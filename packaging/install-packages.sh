@@ -1,0 +1,44 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# install-packages.sh [lint]   installs what is missing of Debian 12; silent when all is there. Never asks.
+# docs/dependencies.md says why each package is here; tests/house compares the two lists.
+packages='
+  ccache cmake g++ git make ninja-build pkg-config
+  libavcodec-dev libavformat-dev libavutil-dev libbenchmark-dev libcli11-dev libexiv2-dev libexpected-dev libfftw3-dev
+  libgmock-dev libgtest-dev libhdf5-dev liblapacke-dev libmuparser-dev libopenblas-dev libopencv-core-dev
+  libopencv-imgcodecs-dev libopencv-imgproc-dev libopenexr-dev libraw-dev libspdlog-dev libsqlite3-dev libssl-dev
+  libswscale-dev libtbb-dev libtiff-dev libtomlplusplus-dev nlohmann-json3-dev python3-h5py'
+lint_packages='clang-format clang-tidy'
+
+[ "$1" = lint ] && packages="$packages $lint_packages"
+
+# One query for all; "install ok installed" or "hold ok installed" is there, whatever the architecture.
+present=" $(dpkg-query -W -f '${Package}=${db:Status-Status} ' $packages 2>/dev/null)"
+missing=''
+for package in $packages; do
+  case $present in
+    *" $package=installed "*) ;;
+    *) missing="$missing $package" ;;
+  esac
+done
+[ -z "$missing" ] && exit 0
+
+if [ "$(id -u)" -ne 0 ]; then
+  echo "Packages are missing, and only root may install them. Run this, then try again:" >&2
+  echo "  sudo apt-get update && sudo apt-get install -y --no-install-recommends$missing" >&2
+  exit 69
+fi
+
+export DEBIAN_FRONTEND=noninteractive
+install_missing() {
+  apt-get install -y -q --no-install-recommends $missing </dev/null
+}
+echo "Installing:$missing" >&2
+if ! ls /var/lib/apt/lists/*Packages* >/dev/null 2>&1; then
+  apt-get update -q </dev/null || exit 69
+fi
+# Lists that are there may be stale: one fresh look before giving up.
+install_missing || { apt-get update -q </dev/null && install_missing; } || {
+  echo "apt-get could not install:$missing" >&2
+  exit 69
+}
