@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Light as a number: the level of a reference patch, and what it says about the lamp.
+// Values in, values out; policy (retry, hold, alarm) lives in capture/light_gate.h.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "processing/image/image.h"
+
+namespace patina::calibration {
+
+// Robust level of a patch: per channel mean of the texels within the middle 80 % (trimmed), linear,
+// share of full scale. `spread` is the trimmed standard deviation over the mean.
+struct PatchLevel {
+  int channels = 0;
+  std::array<double, 3> level{};
+  std::array<double, 3> spread{};
+  double saturated_fraction = 0;
+};
+PatchLevel measurePatch(ImageView<const float> linear, RectPx rect);
+PatchLevel measurePatch(ImageView<const std::uint16_t> mosaic,
+                        const std::array<std::uint8_t, 4>& cfa, double black_level,
+                        double white_level, RectPx rect);
+
+enum class LightVerdict {
+  kLearn,
+  kPass,
+  kCorrect,
+  kHold,
+  kFail,
+  kMeasure,
+  kSaturated,
+  kCovered,
+  kAtOdds
+};
+const char* name(LightVerdict v);
+
+struct LightModelOptions {
+  double step_band = 0.02;       // a jump against the forecast beyond this, either side: hold
+  double drift_band = 0.15;      // total change against the baseline beyond this: fail
+  double correct_above = 0.001;  // |drift| above this is corrected by gain, else pass
+  int learn_samples = 3;         // consecutive steady samples that make a baseline
+  double learn_band = 0.01;      // steady: within this of one another
+  void check() const;            // throws CalibrationError
+};
+
+// One series: one light state, exposure, source and channel. Pure state machine; copyable; its
+// state is small enough to be stored and to go on after a restart.
+struct LightSeries {
+  std::vector<double> learning;  // samples until the baseline is made
+  double baseline = 0;           // 0: still learning
+  double forecast = 0;           // level expected now (tracks drift)
+  double drift_per_hour = 0;     // of the forecast, relative
+  std::optional<UtcTime> last_utc;
+};
+struct LightJudgement {
+  LightVerdict verdict = LightVerdict::kLearn;
+  double ratio = 1;  // level / baseline
+  double gain = 1;   // baseline / (level, smoothed): undoes drift
+};
+// Judges `level` and, unless the verdict is hold or worse, takes it into the series.
+LightJudgement judgeLevel(LightSeries& series, double level, UtcTime utc,
+                          const LightModelOptions& options);
+
+}  // namespace patina::calibration

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guarded TOML: what a plan, a rig and a faults file have in common. Unknown key, wrong type, wrong
+// unit, out of range: one line with file, line, key and the allowed range.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "processing/image/failure.h"
+#include "processing/image/units.h"
+
+namespace patina::devices {
+
+// "plan.toml:7: interval: 0s is out of range (50ms to 400d)". Exit kConfig.
+class ConfigError : public Failure {
+ public:
+  ConfigError(const std::filesystem::path& file, int line, const std::string& key,
+              const std::string& problem);
+  int line() const { return line_; }
+
+ private:
+  int line_;
+};
+
+// Files over 64 KiB and lines with more than 100 dots are refused before parsing (deep nesting
+// crashes the parser).
+constexpr std::size_t kConfigBytesMax = 64 * 1024;
+constexpr int kConfigDotsALineMax = 100;
+
+// One table of a parsed file. Every take* marks its key as known; finish() throws for the first key
+// nobody took, naming the known ones. Missing key without default: an error at the table's line.
+class ConfigTable {
+ public:
+  std::string takeString(const std::string& key, std::optional<std::string> fallback = {});
+  std::string takeChoice(const std::string& key, const std::vector<std::string>& choices,
+                         std::optional<std::string> fallback = {});
+  std::int64_t takeInteger(const std::string& key, std::int64_t least, std::int64_t most,
+                           std::optional<std::int64_t> fallback = {});
+  double takeNumber(const std::string& key, double least, double most,
+                    std::optional<double> fallback = {});
+  bool takeBool(const std::string& key, std::optional<bool> fallback = {});
+  Nanoseconds takeDuration(const std::string& key, Nanoseconds least, Nanoseconds most,
+                           std::optional<Nanoseconds> fallback = {});
+  Nanoseconds takeExposure(const std::string& key, Nanoseconds least, Nanoseconds most,
+                           std::optional<Nanoseconds> fallback = {});
+  std::vector<std::string> takeStrings(const std::string& key,
+                                       std::optional<std::vector<std::string>> fallback = {});
+  std::vector<std::vector<std::string>> takeStringLists(const std::string& key);
+  std::vector<double> takeNumbers(const std::string& key, std::size_t count,
+                                  std::optional<std::vector<double>> fallback = {});
+  std::optional<ConfigTable> takeTable(const std::string& key);
+  std::vector<ConfigTable> takeTables(const std::string& key);  // [[key]]; may be empty
+  // Remaining scalar keys as text: a backend's own settings.
+  std::vector<std::pair<std::string, std::string>> takeRest();
+
+  bool has(const std::string& key) const;
+  int line(const std::string& key = {}) const;  // of the key, or of the table
+  [[noreturn]] void reject(const std::string& key, const std::string& problem) const;
+  void finish() const;
+
+ private:
+  friend class ConfigFile;
+  struct Node;
+  explicit ConfigTable(std::shared_ptr<Node> node);
+  std::shared_ptr<Node> node_;
+};
+
+class ConfigFile {
+ public:
+  static ConfigTable read(const std::filesystem::path& file);  // ConfigError; kIo if unreadable
+  static ConfigTable parse(const std::string& toml, const std::filesystem::path& source);
+};
+
+}  // namespace patina::devices

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A rig: what is bolted together. RigSpec is the file, Rig the living devices.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/camera.h"
+#include "devices/light.h"
+#include "devices/sensor.h"
+#include "devices/trigger.h"
+
+namespace patina::devices {
+
+enum class Between { kOff, kOn, kKeep };  // what a lamp does between shots
+
+struct CameraSpec {
+  std::string id, backend, serial;
+  std::map<std::string, std::string> settings;  // backend's own, checked by the backend
+};
+struct LightSpec {
+  std::string id, backend, address;
+  std::array<double, 3> position_mm{0, 0, 500};
+  Between between = Between::kOff;
+  std::map<std::string, std::string> settings;
+};
+struct SensorSpec {
+  std::string id, backend;
+  Quantity quantity = Quantity::kIlluminance;
+  std::optional<std::array<double, 2>> band;  // relative for illuminance ([0.97,1.03] of its
+                                              // baseline), absolute in unit() otherwise
+  std::map<std::string, std::string> settings;
+};
+struct TriggerSpec {
+  std::string id, backend, address;
+};
+struct PatchSpec {  // the grey reference patch in a camera's picture
+  std::string camera;
+  RectPx rect_px;
+};
+struct TwinSpec {
+  std::string specimen = "banana_ripening";
+  SizePx size{512, 512};
+  std::optional<std::filesystem::path> faults;  // relative to the rig file
+};
+struct RigSpec {
+  std::string name;
+  std::vector<CameraSpec> cameras;
+  std::vector<LightSpec> lights;
+  std::vector<SensorSpec> sensors;
+  std::vector<TriggerSpec> triggers;
+  std::vector<PatchSpec> patches;  // at most one a camera
+  std::optional<TwinSpec> twin;
+  std::string toml;  // the text it was read from
+  std::filesystem::path source;
+};
+
+// Throws ConfigError (config_file.h) naming file, line, key and allowed range.
+RigSpec readRig(const std::filesystem::path& file);
+RigSpec parseRig(const std::string& toml, const std::filesystem::path& source);
+
+struct Rig {
+  RigSpec spec;
+  std::vector<std::unique_ptr<Camera>> cameras;
+  std::vector<std::unique_ptr<Light>> lights;
+  std::vector<std::unique_ptr<Sensor>> sensors;
+  std::vector<std::unique_ptr<Trigger>> triggers;
+};
+
+// "key+lamp" of {lamp, key}: sorted ids joined by '+'; "off" when empty.
+std::string lightStateName(std::vector<std::string> lights);
+std::vector<std::string> lightsOfState(const std::string& name);
+
+}  // namespace patina::devices

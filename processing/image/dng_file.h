@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// DNG 1.4 out (libtiff) and raw in (LibRaw): one plane of Bayer samples, black and white known.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "processing/image/picture_file.h"
+
+namespace patina {
+
+struct RawMosaic {
+  Image<std::uint16_t> samples;                 // [h][w][1]
+  std::array<std::uint8_t, 4> cfa{0, 1, 1, 2};  // of the 2x2 cell, row by row; 0 R, 1 G, 2 B
+  double black_level = 0, white_level = 65535;  // in samples
+  std::optional<Nanoseconds> exposure;
+  std::optional<Iso> iso;
+  std::optional<FNumber> f_number;
+  std::optional<UtcTime> taken_utc;
+  std::string make, model;
+};
+
+// 16 bits a sample, uncompressed; LibRaw reads every value back. Pure: no clock, no file.
+Bytes encodeDng(const RawMosaic& raw);
+// LibRaw; throws ProcessingError(kBadData). No white balance, no gamma, no automatic brightness.
+RawMosaic decodeRaw(std::span<const std::byte> file, const PictureLimits& = {});
+// (sample - black) / (white - black), bilinear demosaic: [h][w][3] linear. Not clamped below 0.
+Image<float> demosaic(const RawMosaic& raw);
+// The same without interpolation: each 2x2 cell gives one RGB texel: [h/2][w/2][3].
+Image<float> demosaicHalf(const RawMosaic& raw);
+
+}  // namespace patina
