@@ -3,7 +3,7 @@
 # install-packages.sh [lint]   installs what is missing of Debian 12; silent when all is there. Never asks.
 # docs/dependencies.md says why each package is here; tests/house compares the two lists.
 packages='
-  ccache cmake g++ git make ninja-build pkg-config
+  ccache cmake g++ git make ninja-build
   libavcodec-dev libavformat-dev libavutil-dev libbenchmark-dev libcli11-dev libexiv2-dev libexpected-dev libfftw3-dev
   libgmock-dev libgtest-dev libhdf5-dev liblapacke-dev libmuparser-dev libopenblas-dev libopencv-core-dev
   libopencv-imgcodecs-dev libopencv-imgproc-dev libopenexr-dev libraw-dev libspdlog-dev libsqlite3-dev libssl-dev

@@ -26,10 +26,11 @@ if(PATINA_SANITIZE)
   add_link_options(-fsanitize=${PATINA_SANITIZE})
 endif()
 
-# timed.sh appends the user CPU seconds of each compilation to compile_times.log (read by the budget test).
+# timed.sh appends the user CPU seconds of each compilation and link to compile_times.log (read by the budget test).
 find_program(PATINA_CCACHE ccache)
 set(PATINA_TIMED ${CMAKE_SOURCE_DIR}/packaging/cmake/timed.sh)
 set(CMAKE_CXX_COMPILER_LAUNCHER ${PATINA_TIMED} ${CMAKE_BINARY_DIR}/compile_times.log -)
+set(CMAKE_CXX_LINKER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 if(PATINA_CCACHE)
   list(APPEND CMAKE_CXX_COMPILER_LAUNCHER
        ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${PATINA_CCACHE})
