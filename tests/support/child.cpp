@@ -38,7 +38,7 @@ std::vector<std::string> environmentWith(const std::vector<std::string>& added) 
 
 }  // namespace
 
-Child::Child(std::vector<std::string> command, std::vector<std::string> environment) {
+Child::Child(std::vector<std::string> command, const std::vector<std::string>& environment) {
   const std::string out = (folder_ / "out").string(), err = (folder_ / "err").string();
   std::vector<std::string> all = environmentWith(environment);
   posix_spawn_file_actions_t actions;
@@ -79,13 +79,14 @@ Finished Child::wait() {
   return done;
 }
 
-Finished run(std::vector<std::string> command, std::vector<std::string> environment) {
-  return Child(std::move(command), std::move(environment)).wait();
+Finished run(std::vector<std::string> command, const std::vector<std::string>& environment) {
+  return Child(std::move(command), environment).wait();
 }
 
-Finished runPatina(std::vector<std::string> arguments, std::vector<std::string> environment) {
+Finished runPatina(std::vector<std::string> arguments,
+                   const std::vector<std::string>& environment) {
   arguments.insert(arguments.begin(), program().string());
-  return run(std::move(arguments), std::move(environment));
+  return run(std::move(arguments), environment);
 }
 
 }  // namespace patina::testing

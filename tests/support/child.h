@@ -21,7 +21,8 @@ struct Finished {
 class Child {
  public:
   // `command[0]` is a path; `environment` ("NAME=value") is added to ours. Standard input is empty.
-  explicit Child(std::vector<std::string> command, std::vector<std::string> environment = {});
+  explicit Child(std::vector<std::string> command,
+                 const std::vector<std::string>& environment = {});
   ~Child();
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -36,7 +37,8 @@ class Child {
 };
 
 // runPatina({"archive", "verify", "--archive", folder}): the built program, to its end.
-Finished runPatina(std::vector<std::string> arguments, std::vector<std::string> environment = {});
-Finished run(std::vector<std::string> command, std::vector<std::string> environment = {});
+Finished runPatina(std::vector<std::string> arguments,
+                   const std::vector<std::string>& environment = {});
+Finished run(std::vector<std::string> command, const std::vector<std::string>& environment = {});
 
 }  // namespace patina::testing
