@@ -2,6 +2,8 @@
 // Trouble on order: what goes wrong, where, when and for how long. Seeded, readable, repeatable.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,11 +31,14 @@ enum class FaultKind {
   kSensorSilent
 };
 
+// A lamp's fault without a duration lasts until the end of the run.
+constexpr Nanoseconds kFaultForEver = std::chrono::hours(24 * 4000);
+
 struct Fault {
   Nanoseconds at{};    // after the start of the run
   std::string device;  // id of the rig file
   FaultKind kind = FaultKind::kHang;
-  Nanoseconds duration{};  // zero: one call
+  Nanoseconds duration{};  // zero: one call, the first at or after `at`
   double amount = 0;       // kLampDrift: share a day; kLampStep: factor - 1; others unused
 };
 
@@ -42,7 +47,7 @@ struct FaultPlan {
   std::vector<Fault> faults;
 };
 
-// [[fault]] at="3d2h" device="cam0" kind="hang" duration="40s" [amount=-0.05]
+// seed=1 and [[fault]] at="3d2h" device="cam0" kind="hang" [duration="40s"] [amount=-0.05]
 FaultPlan readFaults(const std::filesystem::path& file);  // throws ConfigError
 FaultPlan parseFaults(const std::string& toml, const std::filesystem::path& source);
 FaultKind parseFaultKind(const std::string& name);  // "hang" "partial_file" "lamp_dead" ...

@@ -60,7 +60,8 @@ struct RigSpec {
   std::filesystem::path source;
 };
 
-// Throws ConfigError (config_file.h) naming file, line, key and allowed range.
+// Throws ConfigError (config_file.h) naming file, line, key and allowed range. Ids are unique over
+// all devices: 1 to 32 of a-z 0-9 _ -. Backends are names only: who makes the devices knows them.
 RigSpec readRig(const std::filesystem::path& file);
 RigSpec parseRig(const std::string& toml, const std::filesystem::path& source);
 

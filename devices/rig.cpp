@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "devices/rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "devices/config_file.h"
+
+namespace patina::devices {
+namespace {
+
+constexpr int kSideMaxPx = 65'535;      // of a picture; JPEG's own limit
+constexpr int kTwinSideMaxPx = 16'384;  // what one simulated frame may cost in memory
+constexpr int kPatchSideMinPx = 4;      // fewer texels measure their own noise
+constexpr double kPositionMaxMm = 1e6;
+
+class Ids {
+ public:
+  std::string take(ConfigTable& table) {
+    std::string id = table.takeId("id");
+    if (!seen_.insert(id).second) table.reject("id", '"' + id + "\" names two devices");
+    return id;
+  }
+
+ private:
+  std::set<std::string> seen_;
+};
+
+std::map<std::string, std::string> takeSettings(ConfigTable& table) {
+  std::map<std::string, std::string> settings;
+  if (auto inner = table.takeTable("settings")) {
+    for (auto& [key, value] : inner->takeRest()) settings.emplace(key, value);
+  }
+  return settings;
+}
+
+CameraSpec takeCamera(ConfigTable& table, Ids& ids) {
+  CameraSpec camera;
+  camera.id = ids.take(table);
+  camera.backend = table.takeId("backend");
+  camera.serial = table.takeString("serial", "");
+  camera.settings = takeSettings(table);
+  table.finish();
+  return camera;
+}
+
+LightSpec takeLight(ConfigTable& table, Ids& ids) {
+  LightSpec light;
+  light.id = ids.take(table);
+  if (light.id == "off") table.reject("id", "\"off\" is the name of the dark state");
+  light.backend = table.takeId("backend");
+  light.address = table.takeString("address", "");
+  const auto position = table.takeNumbers("position_mm", 3, std::vector<double>{0, 0, 500});
+  std::copy(position.begin(), position.end(), light.position_mm.begin());
+  for (const double mm : position) {
+    if (std::abs(mm) > kPositionMaxMm) {
+      table.reject("position_mm", "is out of range (-1000000 to 1000000 mm)");
+    }
+  }
+  const std::string between = table.takeChoice("between", {"on", "off", "keep"}, "off");
+  light.between = between == "on"    ? Between::kOn
+                  : between == "off" ? Between::kOff
+                                     : Between::kKeep;
+  light.settings = takeSettings(table);
+  table.finish();
+  return light;
+}
+
+SensorSpec takeSensor(ConfigTable& table, Ids& ids) {
+  SensorSpec sensor;
+  sensor.id = ids.take(table);
+  sensor.backend = table.takeId("backend");
+  std::vector<std::string> names;
+  for (const Quantity q : {Quantity::kIlluminance, Quantity::kTemperature, Quantity::kHumidity}) {
+    names.push_back(name(q));
+  }
+  const std::string quantity = table.takeChoice("quantity", names);
+  const auto at = std::find(names.begin(), names.end(), quantity) - names.begin();
+  sensor.quantity = static_cast<Quantity>(at);
+  if (table.has("band")) {
+    const auto band = table.takeNumbers("band", 2);
+    const bool relative = sensor.quantity == Quantity::kIlluminance;
+    if (!(band[0] < band[1])) table.reject("band", "must be [low, high] with low below high");
+    if (relative && !(band[0] >= 0 && band[0] <= 1 && band[1] >= 1)) {
+      table.reject("band", "must hold 1, the baseline itself, as [0.97, 1.03]");
+    }
+    sensor.band = {band[0], band[1]};
+  }
+  sensor.settings = takeSettings(table);
+  table.finish();
+  return sensor;
+}
+
+TriggerSpec takeTrigger(ConfigTable& table, Ids& ids) {
+  TriggerSpec trigger;
+  trigger.id = ids.take(table);
+  trigger.backend = table.takeId("backend");
+  trigger.address = table.takeString("address", "");
+  table.finish();
+  return trigger;
+}
+
+TwinSpec takeTwin(ConfigTable& table) {
+  TwinSpec twin;
+  twin.specimen = table.takeString("specimen", twin.specimen);
+  twin.size = table.takeSize("size", 16, kTwinSideMaxPx, twin.size);
+  if (table.has("faults")) twin.faults = table.takePath("faults");
+  table.finish();
+  return twin;
+}
+
+RectPx takeRect(ConfigTable& table, const std::string& key) {
+  const auto numbers = table.takeNumbers(key, 4);
+  for (const double n : numbers) {
+    if (n != std::floor(n) || n < 0 || n > kSideMaxPx) {
+      table.reject(key, "must be [x, y, width, height] in whole pixels (0 to 65535)");
+    }
+  }
+  const RectPx rect{static_cast<int>(numbers[0]), static_cast<int>(numbers[1]),
+                    static_cast<int>(numbers[2]), static_cast<int>(numbers[3])};
+  if (std::min(rect.width, rect.height) < kPatchSideMinPx) {
+    table.reject(key, "is too small to measure light on (4 px a side at least)");
+  }
+  return rect;
+}
+
+PatchSpec takePatch(ConfigTable& table, const RigSpec& rig) {
+  PatchSpec patch;
+  const bool lone = rig.cameras.size() == 1;
+  patch.camera =
+      lone ? table.takeString("camera", rig.cameras.front().id) : table.takeString("camera");
+  const auto camera = std::find_if(rig.cameras.begin(), rig.cameras.end(),
+                                   [&](const CameraSpec& c) { return c.id == patch.camera; });
+  if (camera == rig.cameras.end()) table.reject("camera", "names no camera of this rig");
+  for (const PatchSpec& other : rig.patches) {
+    if (other.camera == patch.camera) table.reject("camera", "has two patches");
+  }
+  patch.rect_px = takeRect(table, "rect_px");
+  const RectPx& r = patch.rect_px;
+  const bool twin_sized = rig.twin && camera->backend == "twin" && !camera->settings.count("size");
+  const SizePx size = twin_sized ? rig.twin->size : SizePx{kSideMaxPx, kSideMaxPx};
+  if (r.x + r.width > size.width || r.y + r.height > size.height) {
+    table.reject("rect_px", "reaches beyond the picture (" + std::to_string(size.width) + "x" +
+                                std::to_string(size.height) + ")");
+  }
+  table.finish();
+  return patch;
+}
+
+}  // namespace
+
+RigSpec readRig(const std::filesystem::path& file) {
+  return parseRig(ConfigFile::readText(file), file);
+}
+
+RigSpec parseRig(const std::string& toml, const std::filesystem::path& source) {
+  ConfigTable table = ConfigFile::parse(toml, source);
+  RigSpec rig;
+  Ids ids;
+  rig.toml = toml;
+  rig.source = source;
+  rig.name = table.takeString("name", source.stem().string());
+  for (ConfigTable& t : table.takeTables("camera")) rig.cameras.push_back(takeCamera(t, ids));
+  for (ConfigTable& t : table.takeTables("light")) rig.lights.push_back(takeLight(t, ids));
+  for (ConfigTable& t : table.takeTables("sensor")) rig.sensors.push_back(takeSensor(t, ids));
+  for (ConfigTable& t : table.takeTables("trigger")) rig.triggers.push_back(takeTrigger(t, ids));
+  if (auto twin = table.takeTable("twin")) rig.twin = takeTwin(*twin);
+  for (ConfigTable& t : table.takeTables("patch")) rig.patches.push_back(takePatch(t, rig));
+  table.finish();
+  if (rig.cameras.empty()) table.reject("camera", "is missing; a rig has at least one [[camera]]");
+  return rig;
+}
+
+std::string lightStateName(std::vector<std::string> lights) {
+  std::sort(lights.begin(), lights.end());
+  lights.erase(std::unique(lights.begin(), lights.end()), lights.end());
+  std::string state;
+  for (const std::string& light : lights) state += (state.empty() ? "" : "+") + light;
+  return state.empty() ? "off" : state;
+}
+
+std::vector<std::string> lightsOfState(const std::string& name) {
+  std::vector<std::string> lights;
+  if (name == "off") return lights;
+  for (std::size_t from = 0; from <= name.size();) {
+    const std::size_t to = std::min(name.find('+', from), name.size());
+    if (to > from) lights.push_back(name.substr(from, to - from));
+    from = to + 1;
+  }
+  return lights;
+}
+
+}  // namespace patina::devices
