@@ -11,7 +11,7 @@ packages:
 	@packaging/install-packages.sh
 
 build: packages
-	@cmake --preset dev --log-level=WARNING
+	@cmake --preset dev >/dev/null
 	@cmake --build --preset dev -j $(JOBS)
 
 demo: build
@@ -25,12 +25,12 @@ test-long: build
 
 # The rooms that guard the archive, under AddressSanitizer and UndefinedBehaviorSanitizer.
 test-asan: packages
-	@cmake --preset asan-ubsan --log-level=WARNING
+	@cmake --preset asan-ubsan >/dev/null
 	@cmake --build --preset asan-ubsan -j $(JOBS) --target tests-db tests-capture
 	@ctest --preset asan-ubsan -j $(JOBS) -L '^(db|capture)$$'
 
 bench: packages
-	@cmake --preset release --log-level=WARNING
+	@cmake --preset release >/dev/null
 	@cmake --build --preset release -j $(JOBS) --target patina_bench
 	@build-release/patina_bench
 

@@ -127,8 +127,9 @@ def check_readmes(findings, root):
         for lists in sorted((root / top).rglob("CMakeLists.txt")):
             folder = lists.parent
             has_target = re.search(r"^patina_(library|program|test)\(", lists.read_text(encoding="utf-8"), re.MULTILINE)
-            if not has_target:
-                continue
+            mirrors = top == "tests" and (root / folder.relative_to(root / top)).is_dir()
+            if not has_target or mirrors:
+                continue  # the tests of a room are explained by the room's page
             readme, name = folder / "README.md", folder.relative_to(root).as_posix()
             if not readme.exists():
                 findings.incomplete(f"{name}: has a target but no README.md")

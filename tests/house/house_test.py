@@ -201,8 +201,10 @@ class Budget(Planted):
 
     def test_fails_a_target_without_a_readme(self):
         self.plant("db/CMakeLists.txt", "patina_library(x)")
+        self.plant("tests/db/CMakeLists.txt", "patina_test(x)")
+        self.plant("tests/sim/CMakeLists.txt", "patina_test(x)")
         budget.check_readmes(self.findings, self.root)
-        self.assertIn("no README.md", self.findings.errors[0])
+        self.assertEqual(self.findings.errors, [f"{n}: has a target but no README.md" for n in ("db", "tests/sim")])
 
 
 class Timed(Planted):
