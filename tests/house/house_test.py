@@ -53,6 +53,7 @@ class Layering(Planted):
 
     def test_rejects_a_backend_in_capture(self):
         self.assertRejected("capture/a.cpp", '#include "devices/twin/world.h"\n', "may not include devices/twin")
+        self.assertRejected("capture/a.cpp", '#include "devices/usb/relay.h"\n', "may not include devices/usb")
 
     def test_rejects_one_backend_in_another(self):
         self.assertRejected("devices/fault/a.cpp", '#include "devices/twin/world.h"\n', "may not include devices/twin")
