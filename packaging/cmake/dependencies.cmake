@@ -29,6 +29,8 @@ patina_import(opencv_imgcodecs LIBRARIES opencv_imgcodecs LINKS patina::opencv_c
 
 patina_import(libraw HEADER libraw/libraw.h LIBRARIES raw_r)
 patina_import(exiv2 HEADER exiv2/exiv2.hpp LIBRARIES exiv2)
+patina_import(jpeg HEADER jpeglib.h LIBRARIES jpeg)
+patina_import(png HEADER png.h LIBRARIES png)
 patina_import(tiff HEADER tiffio.h LIBRARIES tiff)
 patina_import(imath HEADER half.h SUFFIXES Imath LIBRARIES Imath)
 patina_import(openexr HEADER ImfInputFile.h SUFFIXES OpenEXR LIBRARIES OpenEXR Iex IlmThread LINKS patina::imath Threads::Threads)

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// OpenEXR in memory: flat pictures with R, G, B or one channel; half and float, read as float.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+
+#include <cstring>
+
+#include "processing/image/codecs.h"
+
+namespace patina::codecs {
+namespace {
+
+class MemoryInput final : public Imf::IStream {
+ public:
+  explicit MemoryInput(std::span<const std::byte> file) : Imf::IStream("memory"), file_(file) {}
+  bool read(char* to, int n) override {
+    if (n < 0 || at_ > file_.size() || static_cast<std::uint64_t>(n) > file_.size() - at_)
+      throw std::runtime_error("it ends early");
+    std::memcpy(to, file_.data() + at_, static_cast<std::size_t>(n));
+    at_ += static_cast<std::uint64_t>(n);
+    return at_ < file_.size();
+  }
+  std::uint64_t tellg() override { return at_; }
+  void seekg(std::uint64_t at) override { at_ = at; }
+
+ private:
+  std::span<const std::byte> file_;
+  std::uint64_t at_ = 0;
+};
+
+class MemoryOutput final : public Imf::OStream {
+ public:
+  MemoryOutput() : Imf::OStream("memory") {}
+  void write(const char* from, int n) override {
+    const auto count = static_cast<std::size_t>(n);
+    if (at_ + count > bytes.size()) bytes.resize(at_ + count);
+    std::memcpy(bytes.data() + at_, from, count);
+    at_ += count;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t at) override { at_ = at; }
+
+  Bytes bytes;
+
+ private:
+  std::uint64_t at_ = 0;
+};
+
+// R, G, B, or the single channel whatever its name.
+std::vector<std::string> channelNames(const Imf::Header& header) {
+  const Imf::ChannelList& channels = header.channels();
+  std::vector<std::string> names;
+  for (auto it = channels.begin(); it != channels.end(); ++it) {
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
+      refuse("the EXR holds channels of a lower resolution: save it as plain R, G, B");
+    names.emplace_back(it.name());
+  }
+  if (channels.findChannel("R") && channels.findChannel("G") && channels.findChannel("B"))
+    return {"R", "G", "B"};
+  if (channels.findChannel("Y")) return {"Y"};
+  if (names.size() == 1) return names;
+  refuse("the EXR has neither R, G, B nor a single channel");
+}
+
+PictureHeader headerOf(const Imf::InputFile& in) {
+  const Imath::Box2i window = in.header().dataWindow();
+  const auto side = [](int low, int high) {
+    return static_cast<int>(std::min<std::int64_t>(std::int64_t{high} - low + 1, 0x7fffffff));
+  };
+  const auto names = channelNames(in.header());
+  const auto type = in.header().channels().findChannel(names[0])->type;
+  return {.format = PictureFormat::kExr,
+          .size = {side(window.min.x, window.max.x), side(window.min.y, window.max.y)},
+          .channels = static_cast<int>(names.size()),
+          .bits = type == Imf::HALF ? 16 : 32};
+}
+
+template <class Body>
+auto guarded(const Body& body) {
+  try {
+    return body();
+  } catch (const ProcessingError&) {
+    throw;
+  } catch (const std::exception& e) {
+    refuse(std::string("the EXR is damaged or truncated (") + e.what() + "); copy it again");
+  }
+}
+
+}  // namespace
+
+PictureHeader readExrHeader(std::span<const std::byte> file, const PictureLimits& limits) {
+  return guarded([&] {
+    MemoryInput stream(file);
+    const Imf::InputFile in(stream);
+    const PictureHeader header = headerOf(in);
+    checkClaim(header, limits);
+    if (!in.isComplete()) refuse("the EXR is truncated: lines are missing; copy it again");
+    return header;
+  });
+}
+
+Samples decodeExr(std::span<const std::byte> file, const PictureHeader& header) {
+  return guarded([&]() -> Samples {
+    MemoryInput stream(file);
+    Imf::InputFile in(stream);
+    const Imath::Box2i window = in.header().dataWindow();
+    Image<float> out(header.size.width, header.size.height, header.channels);
+    const std::size_t step = sizeof(float) * header.channels;
+    Imf::FrameBuffer buffer;
+    const auto names = channelNames(in.header());
+    for (std::size_t c = 0; c < names.size(); ++c)
+      buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, out.texels().data() + c, window, step,
+                                               step * static_cast<std::size_t>(header.size.width)));
+    in.setFrameBuffer(buffer);
+    in.readPixels(window.min.y, window.max.y);
+    return out;
+  });
+}
+
+Bytes encodeExr(ImageView<const float> linear) {
+  if (linear.empty() || (linear.channels != 1 && linear.channels != 3))
+    throw ProcessingError(Exit::kUsage, "an EXR has 1 or 3 channels and at least one pixel");
+  try {
+    Imf::Header header(linear.width, linear.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::FrameBuffer buffer;
+    static constexpr const char* kNames[] = {"R", "G", "B"};
+    for (int c = 0; c < linear.channels; ++c) {
+      const char* name = linear.channels == 1 ? "Y" : kNames[c];
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(
+          name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(linear.data + c)),
+                           sizeof(float) * static_cast<std::size_t>(linear.channels),
+                           sizeof(float) * static_cast<std::size_t>(linear.row_stride)));
+    }
+    MemoryOutput stream;
+    {
+      Imf::OutputFile out(stream, header);  // writes its table of lines when it closes
+      out.setFrameBuffer(buffer);
+      out.writePixels(linear.height);
+    }
+    return std::move(stream.bytes);
+  } catch (const std::exception& e) {
+    throw ProcessingError(Exit::kCannotCreate, std::string("EXR encoder: ") + e.what());
+  }
+}
+
+}  // namespace patina::codecs

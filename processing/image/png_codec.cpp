@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// PNG by libpng. As with JPEG, frames that call setjmp hold plain data only.
+#include <png.h>
+
+#include <bit>
+#include <csetjmp>
+#include <cstring>
+
+#include "processing/image/codecs.h"
+
+namespace patina {
+namespace {
+
+struct Errors {
+  char message[120] = "";
+};
+
+[[noreturn]] void leave(png_structp png, png_const_charp message) {
+  auto* errors = static_cast<Errors*>(png_get_error_ptr(png));
+  std::strncpy(errors->message, message, sizeof errors->message - 1);
+  png_longjmp(png, 1);
+}
+void ignore(png_structp, png_const_charp) {}
+
+struct Source {
+  std::span<const std::byte> rest;
+};
+
+void readSome(png_structp png, png_bytep to, std::size_t n) {
+  auto* source = static_cast<Source*>(png_get_io_ptr(png));
+  if (n > source->rest.size()) png_error(png, "truncated");
+  std::memcpy(to, source->rest.data(), n);
+  source->rest = source->rest.subspan(n);
+}
+
+void writeSome(png_structp png, png_bytep from, std::size_t n) {
+  auto* out = static_cast<Bytes*>(png_get_io_ptr(png));
+  const auto* begin = reinterpret_cast<const std::byte*>(from);
+  out->insert(out->end(), begin, begin + n);
+}
+void flushNothing(png_structp) {}
+
+// Gray or RGB of 8 or 16 bits, whatever the file holds; transparency is dropped.
+void normalise(png_structp png, png_infop info, int bits) {
+  if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
+  png_set_expand(png);
+  png_set_strip_alpha(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+}
+
+bool runDecode(png_structp png, png_infop info, Source& source, int bits, std::size_t row_bytes,
+               png_bytep first_row, int height) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_read_fn(png, &source, readSome);
+  png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
+  png_set_chunk_malloc_max(png, 16 << 20);
+  png_read_info(png, info);
+  normalise(png, info, bits);
+  if (png_get_rowbytes(png, info) != row_bytes) png_error(png, "unknown layout of samples");
+  const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : 7;
+  for (int pass = 0; pass < passes; ++pass)
+    for (int y = 0; y < height; ++y)
+      png_read_row(png, first_row + static_cast<std::size_t>(y) * row_bytes, nullptr);
+  png_read_end(png, nullptr);  // checks the sums that are left
+  return true;
+}
+
+template <class T>
+Image<T> decodeAs(std::span<const std::byte> file, const PictureHeader& header) {
+  Image<T> out(header.size.width, header.size.height, header.channels);
+  Errors errors;
+  Source source{file};
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &errors, leave, ignore);
+  PATINA_CHECK(png != nullptr);
+  png_infop info = png_create_info_struct(png);
+  const bool good =
+      info && runDecode(png, info, source, header.bits,
+                        static_cast<std::size_t>(out.width()) * out.channels() * sizeof(T),
+                        reinterpret_cast<png_bytep>(out.texels().data()), out.height());
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!good)
+    codecs::refuse(std::string("the PNG is damaged (") + errors.message + "); copy it again");
+  return out;
+}
+
+bool runEncode(png_structp png, png_infop info, Bytes& out, SizePx size, int channels, int bits,
+               png_const_bytep first_row, std::ptrdiff_t stride_bytes) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_write_fn(png, &out, writeSome, flushNothing);
+  // A third of the time of the default level for a few per cent of size.
+  png_set_compression_level(png, 3);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(size.width),
+               static_cast<png_uint_32>(size.height), bits,
+               channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
+  for (int y = 0; y < size.height; ++y) png_write_row(png, first_row + y * stride_bytes);
+  png_write_end(png, info);
+  return true;
+}
+
+template <class T>
+Bytes encodeAs(ImageView<const T> in) {
+  if (in.empty() || (in.channels != 1 && in.channels != 3))
+    throw ProcessingError(Exit::kUsage, "a PNG has 1 or 3 channels and at least one pixel");
+  Bytes out;
+  Errors errors;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &errors, leave, ignore);
+  PATINA_CHECK(png != nullptr);
+  png_infop info = png_create_info_struct(png);
+  const bool good = info && runEncode(png, info, out, in.size(), in.channels, sizeof(T) * 8,
+                                      reinterpret_cast<png_const_bytep>(in.data),
+                                      in.row_stride * static_cast<std::ptrdiff_t>(sizeof(T)));
+  png_destroy_write_struct(&png, &info);
+  if (!good)
+    throw ProcessingError(Exit::kCannotCreate, std::string("PNG encoder: ") + errors.message);
+  return out;
+}
+
+}  // namespace
+
+namespace codecs {
+
+Samples decodePng(std::span<const std::byte> file, const PictureHeader& header) {
+  if (header.bits == 16) return decodeAs<std::uint16_t>(file, header);
+  return decodeAs<std::uint8_t>(file, header);
+}
+
+}  // namespace codecs
+
+Bytes encodePng(ImageView<const std::uint8_t> srgb) { return encodeAs(srgb); }
+Bytes encodePng(ImageView<const std::uint16_t> samples) { return encodeAs(samples); }
+
+}  // namespace patina
