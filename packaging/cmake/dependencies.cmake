@@ -25,7 +25,6 @@ endfunction()
 # OpenCV without its CMake package: that one comes only with libopencv-dev and half of a desktop.
 patina_import(opencv_core HEADER opencv2/core.hpp SUFFIXES opencv4 LIBRARIES opencv_core)
 patina_import(opencv_imgproc LIBRARIES opencv_imgproc LINKS patina::opencv_core)
-patina_import(opencv_imgcodecs LIBRARIES opencv_imgcodecs LINKS patina::opencv_core)
 
 patina_import(libraw HEADER libraw/libraw.h LIBRARIES raw_r)
 patina_import(exiv2 HEADER exiv2/exiv2.hpp LIBRARIES exiv2)

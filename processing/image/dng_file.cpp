@@ -3,9 +3,12 @@
 // 16-bit samples, and an EXIF directory.
 #include "processing/image/dng_file.h"
 
+#include <tiffio.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <numeric>
 
 #include "processing/image/codecs.h"
 #include "processing/image/memory_tiff.h"
@@ -37,12 +40,58 @@ void check(const RawMosaic& raw) {
   const bool good = !raw.samples.empty() && raw.samples.channels() == 1 && raw.white_level >= 1 &&
                     raw.white_level <= 65535 && raw.black_level >= 0 &&
                     raw.black_level < raw.white_level &&
+                    (!raw.exposure || raw.exposure->count() > 0) &&
                     (!raw.iso || (raw.iso->value >= 1 && raw.iso->value <= 65535)) &&
                     *std::max_element(raw.cfa.begin(), raw.cfa.end()) <= 2;
   if (!good)
-    throw ProcessingError(Exit::kUsage,
-                          "DNG: one plane of samples, 0 <= black < white <= 65535, ISO 1 to 65535, "
-                          "colours 0 to 2");
+    throw ProcessingError(
+        Exit::kUsage,
+        "DNG: one plane of samples, 0 <= black < white <= 65535, exposure above 0, "
+        "ISO 1 to 65535, colours 0 to 2");
+}
+
+// libtiff passes rationals through float, which loses nanoseconds of a long exposure: where a
+// rational of the EXIF directory at `ifd` lies in a little-endian file, or nothing.
+std::optional<std::size_t> findRational(std::span<const std::byte> file, std::uint64_t ifd,
+                                        std::uint16_t tag) {
+  const auto number = [&](std::uint64_t at, int bytes) {
+    std::uint32_t v = 0;
+    for (int i = 0; i < bytes; ++i) v |= std::to_integer<std::uint32_t>(file[at + i]) << (8 * i);
+    return v;
+  };
+  if (ifd + 2 > file.size()) return std::nullopt;
+  for (std::uint64_t i = 0, n = number(ifd, 2); i < n; ++i) {
+    const std::uint64_t entry = ifd + 2 + 12 * i;
+    if (entry + 12 > file.size()) break;
+    if (number(entry, 2) != tag) continue;
+    const std::uint64_t at = number(entry + 8, 4);
+    if (number(entry + 2, 2) != TIFF_RATIONAL || at + 8 > file.size()) break;
+    return at;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> rationalAt(std::span<const std::byte> file, std::uint64_t ifd,
+                                 std::uint16_t tag) {
+  const auto at = findRational(file, ifd, tag);
+  std::uint32_t parts[2] = {0, 0};
+  if (at) std::memcpy(parts, file.data() + *at, 8);
+  if (parts[0] == 0 || parts[1] == 0) return std::nullopt;
+  return static_cast<double>(parts[0]) / static_cast<double>(parts[1]);
+}
+
+// The exposure as nanoseconds over 10^9, coarser where 32 bits do not hold them (above 4.29 s).
+void writeExposure(Bytes& file, std::uint64_t ifd, Nanoseconds exposure) {
+  const auto at = findRational(file, ifd, EXIFTAG_EXPOSURETIME);
+  PATINA_CHECK(at.has_value());
+  std::int64_t top = exposure.count(), bottom = 1'000'000'000;
+  const std::int64_t common = std::gcd(top, bottom);
+  top /= common;
+  bottom /= common;
+  for (; top > UINT32_MAX; top /= 10) bottom = std::max<std::int64_t>(bottom / 10, 1);
+  const std::uint32_t parts[2] = {static_cast<std::uint32_t>(top),
+                                  static_cast<std::uint32_t>(bottom)};
+  std::memcpy(file.data() + *at, parts, 8);
 }
 
 std::uint64_t writeExif(TIFF* tiff, const RawMosaic& raw) {
@@ -108,11 +157,10 @@ std::string textOf(TIFF* tiff, std::uint32_t tag) {
   return TIFFGetField(tiff, tag, &text) && text ? text : "";
 }
 
-void readExif(TIFF* tiff, std::uint64_t offset, RawMosaic& out) {
+void readExif(TIFF* tiff, std::span<const std::byte> file, std::uint64_t offset, RawMosaic& out) {
   if (!TIFFReadEXIFDirectory(tiff, offset)) codecs::refuse("the DNG is damaged: its EXIF");
-  double value = 0;
-  if (TIFFGetField(tiff, EXIFTAG_EXPOSURETIME, &value)) out.exposure = fromSeconds(value);
-  if (TIFFGetField(tiff, EXIFTAG_FNUMBER, &value)) out.f_number = FNumber{value};
+  if (const auto s = rationalAt(file, offset, EXIFTAG_EXPOSURETIME)) out.exposure = fromSeconds(*s);
+  if (const auto f = rationalAt(file, offset, EXIFTAG_FNUMBER)) out.f_number = FNumber{*f};
   std::uint16_t count = 0;
   const std::uint16_t* iso = nullptr;
   if (TIFFGetField(tiff, EXIFTAG_ISOSPEEDRATINGS, &count, &iso) && count > 0)
@@ -143,7 +191,9 @@ Bytes encodeDng(const RawMosaic& raw) {
                                           static_cast<tmsize_t>(samples.size() * 2)) >= 0 &&
                     TIFFWriteDirectory(tiff) == 1;
   if (!good) throw ProcessingError(Exit::kCannotCreate, "DNG: " + file.lastError());
-  return file.finish();
+  Bytes out = file.finish();
+  if (raw.exposure) writeExposure(out, exif, *raw.exposure);
+  return out;
 }
 
 std::optional<RawMosaic> decodeOwnDng(std::span<const std::byte> file,
@@ -151,15 +201,13 @@ std::optional<RawMosaic> decodeOwnDng(std::span<const std::byte> file,
   if (sniffFormat(file) != PictureFormat::kDng) return std::nullopt;
   const MemoryTiff in = MemoryTiff::reading(file);
   TIFF* tiff = in.handle();
-  if (textOf(tiff, TIFFTAG_SOFTWARE) != kSoftware ||
-      in.get<std::uint16_t>(TIFFTAG_PHOTOMETRIC, 0) != kCfa ||
-      in.get<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 0) != 16 ||
-      in.get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 0) != 1 ||
-      in.get<std::uint16_t>(TIFFTAG_COMPRESSION, 0) != COMPRESSION_NONE || TIFFIsTiled(tiff) ||
+  if (textOf(tiff, TIFFTAG_SOFTWARE) != kSoftware || in.shortTag(TIFFTAG_PHOTOMETRIC, 0) != kCfa ||
+      in.shortTag(TIFFTAG_BITSPERSAMPLE, 0) != 16 || in.shortTag(TIFFTAG_SAMPLESPERPIXEL, 0) != 1 ||
+      in.shortTag(TIFFTAG_COMPRESSION, 0) != COMPRESSION_NONE || TIFFIsTiled(tiff) ||
       TIFFNumberOfStrips(tiff) != 1)
     return std::nullopt;
-  const auto width = in.get<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
-  const auto height = in.get<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
+  const auto width = in.longTag(TIFFTAG_IMAGEWIDTH, 0);
+  const auto height = in.longTag(TIFFTAG_IMAGELENGTH, 0);
   if (width > 65535 || height > 65535)
     codecs::refuse("the DNG claims more than 65535 pixels a side");
   codecs::checkClaim({.format = PictureFormat::kDng,
@@ -193,7 +241,7 @@ std::optional<RawMosaic> decodeOwnDng(std::span<const std::byte> file,
   if (TIFFReadEncodedStrip(tiff, 0, out.samples.texels().data(), static_cast<tmsize_t>(bytes)) !=
       static_cast<tmsize_t>(bytes))
     codecs::refuse("the DNG is damaged (" + in.lastError() + "); copy it again");
-  if (has_exif) readExif(tiff, exif, out);  // last: it leaves the main directory
+  if (has_exif) readExif(tiff, file, exif, out);  // last: it leaves the main directory
   return out;
 }
 

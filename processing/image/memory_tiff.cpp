@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/image/memory_tiff.h"
 
+#include <tiffio.h>
+
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -115,6 +117,15 @@ MemoryTiff MemoryTiff::writing() {
 
 TIFF* MemoryTiff::handle() const { return state_->tiff; }
 const std::string& MemoryTiff::lastError() const { return state_->error; }
+
+std::uint16_t MemoryTiff::shortTag(std::uint32_t tag, std::uint16_t fallback) const {
+  std::uint16_t value = 0;
+  return TIFFGetFieldDefaulted(handle(), tag, &value) ? value : fallback;
+}
+std::uint32_t MemoryTiff::longTag(std::uint32_t tag, std::uint32_t fallback) const {
+  std::uint32_t value = 0;
+  return TIFFGetFieldDefaulted(handle(), tag, &value) ? value : fallback;
+}
 
 Bytes MemoryTiff::finish() {
   TIFFClose(state_->tiff);

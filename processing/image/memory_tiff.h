@@ -2,14 +2,14 @@
 // Inside this room only: libtiff over bytes in memory, errors as text instead of on stderr.
 #pragma once
 
-#include <tiffio.h>
-
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "processing/image/picture_file.h"
+
+struct tiff;  // libtiff's TIFF: its header stays out of this one
 
 namespace patina {
 
@@ -20,16 +20,13 @@ class MemoryTiff {
   ~MemoryTiff();
   MemoryTiff(MemoryTiff&&) noexcept;
 
-  TIFF* handle() const;
+  tiff* handle() const;
   const std::string& lastError() const;  // of libtiff, empty if none
   Bytes finish();                        // closes a file that was being written
 
-  // One scalar tag; `fallback` when absent.
-  template <class T>
-  T get(std::uint32_t tag, T fallback) const {
-    T value{};
-    return TIFFGetFieldDefaulted(handle(), tag, &value) ? value : fallback;
-  }
+  // One scalar tag of SHORT or LONG; `fallback` when absent.
+  std::uint16_t shortTag(std::uint32_t tag, std::uint16_t fallback) const;
+  std::uint32_t longTag(std::uint32_t tag, std::uint32_t fallback) const;
 
  private:
   struct State;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // TIFF pictures (the first one of a file) by libtiff: gray or RGB, 8 or 16 bit integers or floats.
+#include <tiffio.h>
+
 #include <cmath>
 #include <cstring>
 
@@ -16,19 +18,18 @@ struct Layout {
 
 Layout layoutOf(const MemoryTiff& tiff) {
   Layout l;
-  l.samples = tiff.get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1);
-  l.bits = tiff.get<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 1);
-  const auto kind = tiff.get<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
-  const auto photometric = tiff.get<std::uint16_t>(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  l.samples = tiff.shortTag(TIFFTAG_SAMPLESPERPIXEL, 1);
+  l.bits = tiff.shortTag(TIFFTAG_BITSPERSAMPLE, 1);
+  const auto kind = tiff.shortTag(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  const auto photometric = tiff.shortTag(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
   l.is_float = kind == SAMPLEFORMAT_IEEEFP;
   l.tiled = TIFFIsTiled(tiff.handle()) != 0;
   l.inverted = photometric == PHOTOMETRIC_MINISWHITE;
   const bool gray = photometric <= PHOTOMETRIC_MINISBLACK, rgb = photometric == PHOTOMETRIC_RGB;
-  const bool ycc_jpeg =
-      photometric == PHOTOMETRIC_YCBCR &&
-      tiff.get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) == COMPRESSION_JPEG;
+  const bool ycc_jpeg = photometric == PHOTOMETRIC_YCBCR &&
+                        tiff.shortTag(TIFFTAG_COMPRESSION, COMPRESSION_NONE) == COMPRESSION_JPEG;
   const bool known_bits = l.is_float ? l.bits == 32 : (l.bits == 8 || l.bits == 16);
-  const bool one_plane = l.samples == 1 || tiff.get<std::uint16_t>(TIFFTAG_PLANARCONFIG, 1) == 1;
+  const bool one_plane = l.samples == 1 || tiff.shortTag(TIFFTAG_PLANARCONFIG, 1) == 1;
   if (!(gray || rgb || ycc_jpeg) || !known_bits || !one_plane || l.samples < (gray ? 1 : 3) ||
       l.samples > 16 || (!l.is_float && kind != SAMPLEFORMAT_UINT))
     refuse(
@@ -79,8 +80,8 @@ Image<T> decodeAs(const MemoryTiff& tiff, const Layout& l, const PictureHeader& 
     }
     return out;
   }
-  const int width = static_cast<int>(tiff.get<std::uint32_t>(TIFFTAG_TILEWIDTH, 0));
-  const int height = static_cast<int>(tiff.get<std::uint32_t>(TIFFTAG_TILELENGTH, 0));
+  const int width = static_cast<int>(tiff.longTag(TIFFTAG_TILEWIDTH, 0));
+  const int height = static_cast<int>(tiff.longTag(TIFFTAG_TILELENGTH, 0));
   if (width <= 0 || height <= 0 || width > 65536 || height > 65536) refuseSamples(tiff);
   std::vector<T> tile(static_cast<std::size_t>(TIFFTileSize64(handle)) / sizeof(T) + 1);
   if (tile.size() < static_cast<std::size_t>(width) * height * l.samples) refuseSamples(tiff);
@@ -97,8 +98,8 @@ Image<T> decodeAs(const MemoryTiff& tiff, const Layout& l, const PictureHeader& 
 }
 
 PictureHeader headerOf(const MemoryTiff& tiff, const Layout& l) {
-  const auto width = tiff.get<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
-  const auto height = tiff.get<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
+  const auto width = tiff.longTag(TIFFTAG_IMAGEWIDTH, 0);
+  const auto height = tiff.longTag(TIFFTAG_IMAGELENGTH, 0);
   if (width > 0x7fffffff || height > 0x7fffffff) refuse("the TIFF is damaged: its size");
   return {.format = PictureFormat::kTiff,
           .size = {static_cast<int>(width), static_cast<int>(height)},
@@ -119,7 +120,7 @@ PictureHeader readTiffHeader(std::span<const std::byte> file, const PictureLimit
 Samples decodeTiff(std::span<const std::byte> file, const PictureHeader& header) {
   const MemoryTiff tiff = MemoryTiff::reading(file);
   const Layout l = layoutOf(tiff);
-  if (tiff.get<std::uint16_t>(TIFFTAG_PHOTOMETRIC, 0) == PHOTOMETRIC_YCBCR)
+  if (tiff.shortTag(TIFFTAG_PHOTOMETRIC, 0) == PHOTOMETRIC_YCBCR)
     TIFFSetField(tiff.handle(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
   if (l.is_float) return decodeAs<float>(tiff, l, header);
   if (l.bits == 16) return decodeAs<std::uint16_t>(tiff, l, header);
