@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/decomposition/temporal_svd.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <limits>
+
+#include "processing/image/failure.h"
+#include "processing/image/random.h"
+
+namespace patina::decomposition {
+namespace {
+
+struct Matrix {
+  std::int64_t m, n;
+  std::vector<float> values;
+  RowSource source() const {
+    return [this](std::int64_t first, std::int64_t count, std::span<float> rows) {
+      std::copy_n(values.begin() + first * n, count * n, rows.begin());
+    };
+  }
+};
+
+// Sum of `rank` random outer products, their weights falling by 0.7, plus noise.
+Matrix planted(std::int64_t m, std::int64_t n, int rank, double noise) {
+  Matrix a{m, n, std::vector<float>(static_cast<std::size_t>(m * n))};
+  for (std::int64_t i = 0; i < m; ++i)
+    for (std::int64_t j = 0; j < n; ++j) {
+      double v = noise > 0 ? noise * gaussian(hashSeed(9, i, j)) : 0;
+      for (int k = 0; k < rank; ++k)
+        v += std::pow(0.7, k) * gaussian(hashSeed(1, k, i)) * gaussian(hashSeed(2, k, j));
+      a.values[i * n + j] = static_cast<float>(v);
+    }
+  return a;
+}
+
+double reconstructionError(const Matrix& a, const TemporalSvd& svd) {
+  double error = 0, energy = 0;
+  for (std::int64_t i = 0; i < a.m; ++i)
+    for (std::int64_t j = 0; j < a.n; ++j) {
+      double r = svd.mean[j];
+      for (int k = 0; k < svd.rank; ++k)
+        r += double(svd.scores[i * svd.rank + k]) * svd.basis[j * svd.rank + k];
+      const double v = a.values[i * a.n + j];
+      error += (v - r) * (v - r);
+      energy += (v - svd.mean[j]) * (v - svd.mean[j]);
+    }
+  return std::sqrt(error / energy);
+}
+
+TemporalSvd run(const Matrix& a, SvdOptions options) {
+  Progress progress;
+  return temporalSvd(a.m, a.n, a.source(), options, progress);
+}
+
+TEST(TemporalSvd, RecoversAPlantedLowRankExactly) {
+  const Matrix a = planted(700, 60, 4, 0);
+  const TemporalSvd svd = run(a, {.rank = 4, .block_rows = 64});
+  EXPECT_LT(reconstructionError(a, svd), 1e-5);
+  EXPECT_LT(svd.relative_error, 1e-6);
+  EXPECT_GT(svd.singular_values[3], 1.0);
+  EXPECT_LT(svd.singular_values[4], 1e-3);
+}
+
+TEST(TemporalSvd, ReportsTheErrorThatAnExplicitReconstructionHas) {
+  const Matrix a = planted(900, 90, 6, 0.3);
+  for (bool centre : {false, true})
+    for (int rank : {1, 3, 6, 20, 90}) {
+      const TemporalSvd svd = run(a, {.rank = rank, .centre = centre});
+      EXPECT_NEAR(svd.relative_error, reconstructionError(a, svd), 2e-6)
+          << "rank " << rank << " centred " << centre;
+    }
+}
+
+TEST(TemporalSvd, ScoresKeepDistancesBetweenRows) {
+  const Matrix a = planted(200, 40, 5, 0);
+  const TemporalSvd svd = run(a, {.rank = 5, .centre = true});
+  for (int i = 0; i + 1 < 200; ++i) {
+    double rows = 0, scores = 0;
+    for (int j = 0; j < 40; ++j)
+      rows += std::pow(a.values[i * 40 + j] - a.values[(i + 1) * 40 + j], 2);
+    for (int k = 0; k < 5; ++k)
+      scores += std::pow(svd.scores[i * 5 + k] - svd.scores[(i + 1) * 5 + k], 2);
+    EXPECT_NEAR(rows, scores, 1e-4 * rows);
+  }
+}
+
+TEST(TemporalSvd, BasisIsOrthonormalAndSingularValuesFall) {
+  const TemporalSvd svd = run(planted(500, 300, 8, 0.1), {.rank = 10});
+  for (int p = 0; p < 10; ++p)
+    for (int q = 0; q <= p; ++q) {
+      double dot = 0;
+      for (int j = 0; j < 300; ++j) dot += double(svd.basis[j * 10 + p]) * svd.basis[j * 10 + q];
+      EXPECT_NEAR(dot, p == q ? 1 : 0, 1e-5);
+    }
+  for (int i = 1; i < 300; ++i) EXPECT_LE(svd.singular_values[i], svd.singular_values[i - 1]);
+}
+
+TEST(TemporalSvd, ChoosesTheLeastRankBelowTheErrorAsked) {
+  const Matrix a = planted(600, 50, 8, 0.05);
+  const TemporalSvd chosen = run(a, {.rank = 50, .rank_error = 0.2});
+  EXPECT_LT(chosen.relative_error, 0.2);
+  ASSERT_GT(chosen.rank, 1);
+  EXPECT_GE(run(a, {.rank = chosen.rank - 1}).relative_error, 0.2);
+}
+
+TEST(TemporalSvd, StopsAtTheRankGivenWhereTheErrorAskedNeedsMore) {
+  EXPECT_EQ(run(planted(300, 50, 20, 1), {.rank = 2, .rank_error = 1e-4}).rank, 2);
+}
+
+TEST(TemporalSvd, CopesWithMoreColumnsThanRows) {
+  const Matrix a = planted(12, 150, 12, 0.1);
+  const TemporalSvd svd = run(a, {.rank = 12});
+  EXPECT_LT(reconstructionError(a, svd), 1e-4);
+  EXPECT_THROW(run(a, {.rank = 13}), ProcessingError);
+}
+
+TEST(TemporalSvd, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Matrix a = planted(3000, 130, 6, 0.2);
+  const auto with = [&](int threads) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
+    tbb::task_arena arena(threads);
+    return arena.execute([&] { return run(a, {.rank = 9, .block_rows = 1500, .centre = true}); });
+  };
+  const TemporalSvd one = with(1), four = with(4);
+  EXPECT_EQ(one.scores, four.scores);
+  EXPECT_EQ(one.basis, four.basis);
+  EXPECT_EQ(one.singular_values, four.singular_values);
+}
+
+TEST(TemporalSvd, GivesZeroErrorForAConstantSequenceThatIsCentred) {
+  const Matrix a{40, 7, std::vector<float>(280, 0.5f)};
+  const TemporalSvd svd = run(a, {.rank = 2, .centre = true});
+  EXPECT_NEAR(svd.relative_error, 0, 1e-6);
+  for (float s : svd.scores) EXPECT_NEAR(s, 0, 1e-5);
+}
+
+TEST(TemporalSvd, RefusesNaN) {
+  Matrix a = planted(50, 10, 2, 0.1);
+  a.values[123] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(run(a, {.rank = 2}), ProcessingError);
+}
+
+TEST(TemporalSvd, RefusesImpossibleOptionsWithFieldAndRange) {
+  const Matrix a = planted(50, 10, 2, 0.1);
+  try {
+    run(a, {.rank = 11});
+    FAIL();
+  } catch (const ProcessingError& e) {
+    EXPECT_STREQ(e.what(), "singular value decomposition: rank is 11; allowed: 1 to 10");
+  }
+  EXPECT_THROW(run(a, {.rank = 2, .rank_error = -1}), ProcessingError);
+  EXPECT_THROW(run(a, {.rank = 2, .block_rows = 0}), ProcessingError);
+}
+
+TEST(TemporalSvd, StopsWhenAsked) {
+  const Matrix a = planted(50, 10, 2, 0.1);
+  Progress progress;
+  progress.askToStop();
+  EXPECT_THROW(temporalSvd(a.m, a.n, a.source(), {.rank = 2}, progress), Stopped);
+}
+
+}  // namespace
+}  // namespace patina::decomposition
