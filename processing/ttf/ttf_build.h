@@ -11,9 +11,9 @@
 namespace patina::ttf {
 
 struct BuildOptions {
-  std::optional<RectPx> region;  // of interest, px of the source frames; nothing: all
-  int every = 1;                 // keep frame 0, every, 2*every ... of those that are there
-  double scale = 1.0;            // linear value stored as 65535
+  std::optional<RectPx> region = {};  // of interest, px of the source frames; nothing: all
+  int every = 1;                      // keep frame 0, every, 2*every ... of those that are there
+  double scale = 1.0;                 // linear value stored as 65535
   double mm_per_texel = 0;
   bool compress = false;
   void check() const;  // throws ProcessingError(kUsage): field, value, range

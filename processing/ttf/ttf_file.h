@@ -3,14 +3,13 @@
 // (design, section 6). Readable with h5py alone. Streams: memory is a few chunks, at any length.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "processing/image/image.h"
-#include "processing/image/progress.h"
 #include "processing/image/sha256.h"
 
 namespace patina::ttf {
@@ -29,6 +28,7 @@ struct TtfInfo {
 };
 
 // Written under a temporary name, closed, fsynced and renamed by close(): whole or not at all.
+// Holds 8 frames (one layer of chunks). Same frames and info, same bytes.
 class TtfWriter {
  public:
   // `info.frames`, time_s and source are filled as frames are added.
@@ -36,9 +36,12 @@ class TtfWriter {
   ~TtfWriter();
   TtfWriter(const TtfWriter&) = delete;
   TtfWriter& operator=(const TtfWriter&) = delete;
+  // Times may not fall; a NaN or an infinity is refused (kBadData). u16: rounded, clamped.
   void add(ImageView<const float> linear, double time_s, const Sha256& source);
+  // Samples as they are stored; in a float volume sample * scale / 65535.
   void add(ImageView<const std::uint16_t> samples, double time_s, const Sha256& source);
-  void close();
+  std::int64_t clippedSamples() const;  // of the floats added: outside [0, scale]
+  void close();                         // throws ProcessingError(kIo) and leaves nothing
 
  private:
   struct State;
@@ -50,8 +53,9 @@ class TtfReader {  // Thread-bound.
   explicit TtfReader(const std::filesystem::path& path);  // ProcessingError(kBadData) with why
   ~TtfReader();
   TtfReader(TtfReader&&) noexcept;
+  TtfReader& operator=(TtfReader&&) noexcept;
   const TtfInfo& info() const;
-  Image<std::uint16_t> frame(int t) const;  // u16 samples
+  Image<std::uint16_t> frame(int t) const;  // u16 samples; floats are divided by scale, clamped
   Image<float> linearFrame(int t) const;    // times scale
   // Frames [t_first, t_first + count) of a region: [t][y][x][c], u16.
   std::vector<std::uint16_t> block(int t_first, int count, RectPx region) const;
