@@ -218,6 +218,11 @@ void TtfWriter::State::add(ImageView<const T> frame, double time_s, const Sha256
 
 void TtfWriter::State::flushLayer() {
   if (layer_frames == 0) return;
+  const std::size_t frame_bytes = chunk_bytes / kChunkFrames;
+  if (layer_frames < kChunkFrames)  // what no frame fills is zero: same frames, same bytes
+    for (std::size_t chunk = 0; chunk < layer.size(); chunk += chunk_bytes)
+      std::fill_n(layer.begin() + chunk + layer_frames * frame_bytes,
+                  (kChunkFrames - layer_frames) * frame_bytes, std::byte{0});
   const Session session;
   const hsize_t extent[4] = {static_cast<hsize_t>(info.frames), static_cast<hsize_t>(info.height),
                              static_cast<hsize_t>(info.width), static_cast<hsize_t>(info.channels)};
@@ -227,7 +232,6 @@ void TtfWriter::State::flushLayer() {
       writeChunk(y, x,
                  layer.data() + chunk_bytes * (static_cast<std::size_t>(y) * chunks_across + x));
   layer_frames = 0;
-  std::fill(layer.begin(), layer.end(), std::byte{0});  // chunks at the end stay the same bytes
 }
 
 void TtfWriter::State::writeChunk(hsize_t y, hsize_t x, const std::byte* samples) {
