@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// HDF5 handles that close themselves. Only this room's .cpp files include it.
+// HDF5 handles that close themselves, without the library's header. Only this room's .cpp files
+// include it, and <hdf5.h> beside it.
 #pragma once
 
-#include <hdf5.h>
-
+#include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -13,45 +14,39 @@
 
 namespace patina::ttf::hdf5 {
 
+using Id = std::int64_t;            // hid_t; negative: none
+using Length = unsigned long long;  // hsize_t
+
 inline constexpr int kChunkFrames = 8, kChunkTexels = 128;  // design: chunks (8,128,128,C)
 
 // Held around every call: the library may be built without its own lock, and prints its errors
 // on stderr unless told not to (a setting of the calling thread).
 class Session {
  public:
-  Session() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+  Session();
 
  private:
-  static std::recursive_mutex& mutex() {
-    static std::recursive_mutex shared;
-    return shared;
-  }
   std::lock_guard<std::recursive_mutex> lock_;
 };
 
 class Handle {
  public:
-  using Close = herr_t (*)(hid_t);
+  using Close = int (*)(Id);
   Handle() = default;
-  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
-  Handle(Handle&& other) noexcept
-      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Handle(Id id, Close closer) : id_(id), close_(closer) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   Handle& operator=(Handle&& other) noexcept {
     std::swap(id_, other.id_);
     std::swap(close_, other.close_);
     return *this;
   }
   ~Handle() { close(); }
-  bool close() {  // false: the library could not write what it still held
-    if (id_ < 0) return true;
-    const Session session;
-    return close_(std::exchange(id_, H5I_INVALID_HID)) >= 0;
-  }
-  hid_t id() const { return id_; }
+  bool close();  // false: the library could not write what it still held
+  Id id() const { return id_; }
   bool valid() const { return id_ >= 0; }
 
  private:
-  hid_t id_ = H5I_INVALID_HID;
+  Id id_ = -1;
   Close close_ = nullptr;
 };
 
@@ -59,16 +54,11 @@ class Handle {
 class Checker {
  public:
   Checker(std::filesystem::path path, Exit exit) : path_(std::move(path)), exit_(exit) {}
-  [[noreturn]] void fail(const std::string& what) const {
-    throw ProcessingError(exit_, path_.string() + ": " + what);
-  }
+  [[noreturn]] void fail(const std::string& what) const;
   void require(bool ok, const std::string& what) const {
     if (!ok) fail(what);
   }
-  Handle handle(hid_t id, Handle::Close close, const std::string& what) const {
-    if (id < 0) fail(what);
-    return {id, close};
-  }
+  Handle handle(Id id, Handle::Close close, const std::string& what) const;
   const std::filesystem::path& path() const { return path_; }
 
  private:
@@ -76,29 +66,9 @@ class Checker {
   Exit exit_;
 };
 
-inline Handle simpleSpace(std::initializer_list<hsize_t> dims,
-                          std::initializer_list<hsize_t> dims_max = {}) {
-  return {H5Screate_simple(static_cast<int>(dims.size()), dims.begin(),
-                           dims_max.size() ? dims_max.begin() : nullptr),
-          H5Sclose};
-}
-
-// IEEE 754 binary16, little-endian: the library has no ready-made type for it.
-inline Handle halfType() {
-  const hid_t t = H5Tcopy(H5T_IEEE_F32LE);
-  H5Tset_fields(t, 15, 10, 5, 0, 10);
-  H5Tset_size(t, 2);
-  H5Tset_ebias(t, 15);
-  return {t, H5Tclose};
-}
-
-// Text of `bytes` bytes, zero-padded; H5T_VARIABLE for any length.
-inline Handle textType(std::size_t bytes) {
-  const hid_t t = H5Tcopy(H5T_C_S1);
-  H5Tset_size(t, bytes);
-  H5Tset_strpad(t, H5T_STR_NULLPAD);
-  if (bytes == H5T_VARIABLE) H5Tset_cset(t, H5T_CSET_UTF8);
-  return {t, H5Tclose};
-}
+Handle simpleSpace(std::initializer_list<Length> dims, std::initializer_list<Length> dims_max = {});
+Handle halfType();                   // IEEE 754 binary16, little-endian: not a ready-made type
+Handle textType(std::size_t bytes);  // of that length, zero-padded
+Handle anyTextType();                // UTF-8 of any length
 
 }  // namespace patina::ttf::hdf5

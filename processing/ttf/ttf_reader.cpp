@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <hdf5.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 

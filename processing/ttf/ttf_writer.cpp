@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fcntl.h>
 #include <half.h>
+#include <hdf5.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
@@ -266,7 +267,7 @@ void TtfWriter::State::attribute(const char* name, hid_t type, const void* value
 }
 
 void TtfWriter::State::writeAttributes() {
-  const Handle text = hdf5::textType(H5T_VARIABLE);
+  const Handle text = hdf5::anyTextType();
   const auto addText = [&](const char* name, const std::string& value) {
     const char* pointer = value.c_str();
     attribute(name, text.id(), &pointer);
