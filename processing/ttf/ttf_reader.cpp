@@ -122,7 +122,7 @@ std::string readText(const Checker& check, hid_t file, const char* name,
   if (H5Tis_variable_str(stored.id()) > 0) {
     char* text = nullptr;
     check.require(H5Aread(attribute.id(), stored.id(), &text) >= 0 && text, wrong);
-    const std::string value(text);
+    std::string value(text);
     H5free_memory(text);
     return value;
   }
@@ -252,8 +252,8 @@ std::vector<std::uint16_t> TtfReader::block(int t_first, int count, RectPx regio
   state_->read(t_first, count, region, H5T_NATIVE_FLOAT, linear.data());
   const float gain = static_cast<float>(65535.0 / info.scale);
   forSamples(samples, [&](std::size_t i) {
-    const float v = linear[i] * gain;  // NaN becomes 0
-    out[i] = static_cast<std::uint16_t>((v > 0 ? std::min(v, 65535.0f) : 0) + 0.5f);
+    const float v = linear[i] * gain + 0.5f;  // NaN becomes 0
+    out[i] = static_cast<std::uint16_t>(v > 0 ? std::min(v, 65535.0f) : 0);
   });
   return out;
 }

@@ -34,7 +34,8 @@ int convert(const float* in, int count, double scale, std::uint16_t* out) {
     const float v = in[i] * gain;
     bad += !(std::abs(in[i]) <= 3e38f);
     clipped += (in[i] < 0) + (v > 65535.0f);
-    out[i] = static_cast<std::uint16_t>(std::min(std::max(v, 0.0f), 65535.0f) + 0.5f);
+    const float rounded = std::min(std::max(v, 0.0f), 65535.0f) + 0.5f;
+    out[i] = static_cast<std::uint16_t>(rounded);
   }
   return bad ? -1 : clipped;
 }
