@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whole files in and out, for picture_file.h.
+// Whole files in and out, for picture_file.h and atomic_file.h.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "processing/image/atomic_file.h"
 #include "processing/image/picture_file.h"
 
 namespace patina {
@@ -82,24 +83,43 @@ Bytes readFile(const std::filesystem::path& path, std::uint64_t bytes_max) {
   return out;
 }
 
-void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> data) {
+std::filesystem::path temporaryBeside(const std::filesystem::path& path) {
   static std::atomic<unsigned> counter{0};
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   std::filesystem::path temporary = path;
   temporary += ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-  Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (fd.get() < 0) fail(Exit::kCannotCreate, path, "cannot be created");
-  const bool written = writeAll(fd.get(), data) && ::fsync(fd.get()) == 0 && fd.close() &&
-                       ::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!written) {
+  return temporary;
+}
+
+void publishAtomically(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  bool good = false;
+  {
+    Descriptor fd(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+    good = fd.get() >= 0 && ::fsync(fd.get()) == 0 && fd.close() &&
+           ::rename(temporary.c_str(), path.c_str()) == 0;
+  }
+  if (!good) {
     const int error = errno;
     ::unlink(temporary.c_str());
     errno = error;
     fail(Exit::kIo, path, "cannot be written");
   }
-  const Descriptor folder_fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder_fd.get() < 0 || ::fsync(folder_fd.get()) != 0)
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const Descriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd.get() < 0 || ::fsync(fd.get()) != 0)
     fail(Exit::kIo, folder, "the folder cannot be synchronised");
+}
+
+void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> data) {
+  const std::filesystem::path temporary = temporaryBeside(path);
+  Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (fd.get() < 0) fail(Exit::kCannotCreate, path, "cannot be created");
+  if (!writeAll(fd.get(), data) || !fd.close()) {
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    errno = error;
+    fail(Exit::kIo, path, "cannot be written");
+  }
+  publishAtomically(temporary, path);
 }
 
 void writeFileAtomically(const std::filesystem::path& path, const std::string& text) {
