@@ -63,7 +63,7 @@ TEST(Ggx, NeverReflectsMoreThanItReceives) {
 TEST(Ggx, InAWhiteFurnaceASmoothMirrorDisappearsAndARoughOneLosesLittle) {
   EXPECT_NEAR(ggxDirectionalAlbedo(1.0f, 1.0f, 0.02f), 1.0, 0.002);
   EXPECT_NEAR(ggxDirectionalAlbedo(0.5f, 1.0f, 0.05f), 1.0, 0.01);
-  EXPECT_NEAR(ggxDirectionalAlbedo(1.0f, 1.0f, 0.2f), 0.937, 0.01);
+  EXPECT_GT(ggxDirectionalAlbedo(1.0f, 1.0f, 0.2f), 0.93f);
   EXPECT_GT(ggxDirectionalAlbedo(1.0f, 1.0f, 1.0f), 0.30f);  // single scattering
 }
 
