@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A generative model of copper under a patinating liquid over six hours. Lengths in mm, times in
+// shares of the process.
+//
+//   metal     bright, brushed along x: anisotropic relief, reflectance and roughness.
+//   liquid    spreads over the sheet in the first minutes, then dries from patches whose fronts
+//             meet: darker, smooth and shiny while wet; tide marks where the front stood.
+//   tarnish   brown, first near what will turn green, in the end everywhere.
+//   patina    spreads from three classes of seeds (blobs.h) at positions warped over four octaves
+//             and along crests of ridged noise, so that rims are ragged; dark teal when thin,
+//             verdigris when thick; a matt granular crust.
+//
+// Colours: reflectance of copper at normal incidence (0.955, 0.638, 0.538), the usual RGB fit to
+// its measured index; basic copper salts around (0.2, 0.45, 0.4) in linear light.
+#include <cmath>
+
+#include "devices/twin/blobs.h"
+#include "devices/twin/grid_fields.h"
+#include "devices/twin/noise.h"
+#include "devices/twin/ramps.h"
+#include "devices/twin/row_loop.h"
+#include "devices/twin/specimens.h"
+#include "processing/image/random.h"
+
+namespace patina::devices::twin {
+
+namespace {
+
+constexpr float kWettingWidth = 0.006f;
+constexpr float kDryingWidth = 0.012f;
+constexpr float kTarnishTime = 0.30f;
+constexpr float kRimMm = 0.15f;
+constexpr float kRimTime = 0.025f;
+constexpr float kFilmMm = 0.12f;
+constexpr float kCrustMm = 0.07f;
+
+struct Fields {
+  std::vector<float> brush, mottle, grain;
+  std::vector<float> wetting, drying, drying_dx, drying_dy, tide;
+  std::vector<float> tarnish;
+  std::vector<float> patina, patina_inverse_width, patina_dx, patina_dy;
+  std::vector<float> relief, relief_dx, relief_dy, crust, crust_dx, crust_dy;
+  explicit Fields(std::size_t n) {
+    for (auto* f : {&brush, &mottle, &grain, &wetting, &drying, &drying_dx, &drying_dy, &tide,
+                    &tarnish, &patina, &patina_inverse_width, &patina_dx, &patina_dy, &relief,
+                    &relief_dx, &relief_dy, &crust, &crust_dx, &crust_dy})
+      f->resize(n);
+  }
+};
+
+// By the time since the patina arrived.
+const ColorRamp<5>& patinaRamp() {
+  static const ColorRamp<5> ramp({{{0.00f, {0.060f, 0.075f, 0.045f}},
+                                   {0.06f, {0.055f, 0.150f, 0.120f}},
+                                   {0.18f, {0.110f, 0.300f, 0.255f}},
+                                   {0.40f, {0.190f, 0.445f, 0.385f}},
+                                   {0.75f, {0.290f, 0.560f, 0.490f}}}});
+  return ramp;
+}
+
+class CopperSurface final : public PreparedSurface {
+ public:
+  CopperSurface(int width, Fields fields) : width_(width), f_(std::move(fields)) {}
+  void rowAt(double time, int y, SurfaceRow& row) const override;
+
+ private:
+  int width_;
+  Fields f_;
+};
+
+void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
+  const auto t = static_cast<float>(time);
+  const ColorRamp<5> verdigris = patinaRamp();
+  const Rgb metal_f0{0.955f, 0.638f, 0.538f}, brown_f0{0.16f, 0.075f, 0.05f};
+  const Rgb metal_diffuse{0.022f, 0.012f, 0.009f}, brown_diffuse{0.085f, 0.038f, 0.022f};
+  const Rgb film_tint{0.70f, 0.86f, 0.80f};
+  const std::size_t at = static_cast<std::size_t>(y) * width_;
+  for (int i = 0; i < width_; ++i) {
+    const std::size_t k = at + i;
+    const float arrived = smooth01(saturate((t - f_.wetting[k]) / kWettingWidth));
+    const float dried_raw = saturate((t - f_.drying[k]) / kDryingWidth);
+    const float dried = smooth01(dried_raw), wet = arrived * (1 - dried);
+    const float brown = smooth01(saturate((t - f_.tarnish[k]) / kTarnishTime));
+    const float since = t - f_.patina[k], inverse_width = f_.patina_inverse_width[k];
+    const float s = saturate(since * inverse_width), green = smooth01(s);
+
+    Rgb d = mix(metal_diffuse, scaled(brown_diffuse, 1 + 0.35f * f_.mottle[k]), brown);
+    Rgb f0 = scaled(mix(metal_f0, brown_f0, brown), 1 + 0.10f * f_.brush[k] * (1 - 0.5f * brown));
+    const float chalk = 0.28f * f_.tide[k] * dried * brown;  // left by the liquid's edge
+    d = mix(d, {0.16f, 0.26f, 0.22f}, chalk);
+    const Rgb salt = verdigris.at(since + 0.10f * f_.mottle[k]);
+    d = mix(d, scaled(salt, 1 + 0.22f * f_.mottle[k] + 0.16f * f_.grain[k]), green);
+    f0 = mix(f0, {0.035f, 0.035f, 0.035f}, green);
+    float rough = mix(0.44f + 0.05f * f_.brush[k], 0.56f, brown);
+    rough = mix(rough, 0.85f, green);
+
+    const float shade = mix(1, 0.48f, wet);
+    d = scaled(d, shade);
+    f0 = {f0.r * mix(1, film_tint.r, wet) + 0.02f * wet, f0.g * mix(1, film_tint.g, wet) + 0.02f * wet,
+          f0.b * mix(1, film_tint.b, wet) + 0.02f * wet};
+    rough = mix(rough, 0.20f, 0.9f * wet);
+
+    row[SurfaceRow::kDiffuseR][i] = saturate(d.r);
+    row[SurfaceRow::kDiffuseG][i] = saturate(d.g);
+    row[SurfaceRow::kDiffuseB][i] = saturate(d.b);
+    row[SurfaceRow::kSpecularR][i] = std::min(saturate(f0.r), 0.97f - saturate(d.r));
+    row[SurfaceRow::kSpecularG][i] = std::min(saturate(f0.g), 0.97f - saturate(d.g));
+    row[SurfaceRow::kSpecularB][i] = std::min(saturate(f0.b), 0.97f - saturate(d.b));
+    row[SurfaceRow::kRoughness][i] = std::max(saturate(rough), 0.02f);
+
+    // The brush marks drown in the film and vanish under the crust.
+    const float bare = (1 - 0.7f * wet) * (1 - 0.8f * green), grow = 6 * s * (1 - s) * inverse_width;
+    const float front = 6 * dried_raw * (1 - dried_raw) / kDryingWidth * kFilmMm * arrived;
+    const float dx = bare * f_.relief_dx[k] + green * f_.crust_dx[k] + front * f_.drying_dx[k] -
+                     grow * kCrustMm * f_.patina_dx[k];
+    const float dy = bare * f_.relief_dy[k] + green * f_.crust_dy[k] + front * f_.drying_dy[k] -
+                     grow * kCrustMm * f_.patina_dy[k];
+    const float inverse = 1 / std::sqrt(1 + dx * dx + dy * dy);
+    row[SurfaceRow::kNormalX][i] = -dx * inverse;
+    row[SurfaceRow::kNormalY][i] = -dy * inverse;
+    row[SurfaceRow::kNormalZ][i] = inverse;
+    row[SurfaceRow::kHeight][i] =
+        bare * f_.relief[k] + kFilmMm * wet + green * (kCrustMm + f_.crust[k]);
+    row[SurfaceRow::kDegree][i] =
+        1 - (1 - 0.55f * brown) * (1 - green * smooth01(saturate(since * 3.3f)));
+  }
+}
+
+class Copper final : public Specimen {
+ public:
+  explicit Copper(std::uint64_t seed) : seed_(seed) {}
+  const SpecimenInfo& info() const override { return copperInfo(); }
+  std::shared_ptr<const PreparedSurface> prepare(const SampleGrid& grid) const override;
+  SurfaceMaps surfaceAt(double time, SizePx size) const override {
+    return regular_.at(*this, time, size);
+  }
+
+ private:
+  std::uint64_t key(std::uint64_t field) const { return hashSeed(seed_, 0xc0bbe2ull, field); }
+  std::vector<BlobField> seeds(const Bounds& b) const;
+  void fillLiquid(const SampleGrid& grid, int y, const BlobField& patches, Fields& f) const;
+  void fillMetal(const SampleGrid& grid, int y, Fields& f) const;
+  void fillPatina(const SampleGrid& grid, int y, const std::vector<BlobField>& seeds,
+                  Fields& f) const;
+
+  std::uint64_t seed_;
+  mutable RegularSurface regular_;
+};
+
+std::vector<BlobField> Copper::seeds(const Bounds& b) const {
+  const BlobOptions classes[] = {
+      {.seed = key(1), .cell_mm = 19, .probability = 0.8f, .radius_min_mm = 10,
+       .radius_max_mm = 19, .onset_min = 0.16f, .onset_max = 0.55f, .growth = 0.95f, .power = 1.15f},
+      {.seed = key(2), .cell_mm = 8, .probability = 0.65f, .radius_min_mm = 3.5f,
+       .radius_max_mm = 8, .onset_min = 0.18f, .onset_max = 0.85f, .growth = 0.95f, .power = 1.25f},
+      {.seed = key(3), .cell_mm = 2.6f, .probability = 0.6f, .radius_min_mm = 0.5f,
+       .radius_max_mm = 2.2f, .radius_power = 2, .onset_min = 0.2f, .onset_max = 1.05f,
+       .growth = 0.9f, .power = 1.5f}};
+  std::vector<BlobField> fields;
+  for (const BlobOptions& options : classes) fields.emplace_back(options, b.x0, b.y0, b.x1, b.y1);
+  return fields;
+}
+
+void Copper::fillLiquid(const SampleGrid& grid, int y, const BlobField& patches, Fields& f) const {
+  const float texel = grid.texel_mm;
+  const FractalNoise spread{key(10), 11, 4, 0.5f, 2.5f, 1}, warp_x{key(11), 9, 4},
+      warp_y{key(12), 9, 4}, last{key(13), 13, 4};
+  for (int x = 0; x < grid.size.width; ++x) {
+    const std::size_t k = grid.index(x, y);
+    const float px = grid.x_mm[k], py = grid.y_mm[k];
+    f.wetting[k] = 0.022f + 0.020f * std::clamp(spread.at(px, py, texel), -0.8f, 0.8f);
+    const Arrival dry = patches.at(px + 3.2f * warp_x.at(px, py, texel),
+                                   py + 3.2f * warp_y.at(px, py, texel), Arrival{});
+    const float soft = 0.42f + 0.10f * last.at(px, py, texel);  // what no patch reaches
+    f.drying[k] = std::min(dry.time, soft);
+    const float phase = f.drying[k] * 19;
+    const float crest = 1 - 2 * std::abs(phase - std::floor(phase) - 0.5f);
+    f.tide[k] = crest * crest * crest * crest;
+  }
+}
+
+void Copper::fillMetal(const SampleGrid& grid, int y, Fields& f) const {
+  const float texel = grid.texel_mm;
+  const FractalNoise brush{key(20), 0.6f, 4, 0.7f, 45, 1}, mottle{key(21), 5, 6, 0.6f},
+      grain{key(22), 0.5f, 3, 0.7f};
+  for (int x = 0; x < grid.size.width; ++x) {
+    const std::size_t k = grid.index(x, y);
+    const float px = grid.x_mm[k], py = grid.y_mm[k];
+    f.brush[k] = brush.at(px, py, texel);
+    f.mottle[k] = mottle.at(px, py, texel);
+    f.grain[k] = grain.at(px, py, texel);
+    f.relief[k] = 0.005f * f.brush[k];
+    f.crust[k] = 0.030f * f.grain[k] + 0.03f * f.mottle[k];
+  }
+}
+
+void Copper::fillPatina(const SampleGrid& grid, int y, const std::vector<BlobField>& seeds,
+                        Fields& f) const {
+  const float texel = grid.texel_mm;
+  const FractalNoise warp_x{key(30), 6, 5, 0.55f}, warp_y{key(31), 6, 5, 0.55f},
+      crest{key(32), 3.2f, 5, 0.6f}, early{key(33), 9, 5, 0.55f};
+  for (int x = 0; x < grid.size.width; ++x) {
+    const std::size_t k = grid.index(x, y);
+    const float px = grid.x_mm[k], py = grid.y_mm[k];
+    const float wx = px + 2.4f * warp_x.at(px, py, texel), wy = py + 2.4f * warp_y.at(px, py, texel);
+    Arrival first;
+    for (const BlobField& field : seeds) first = field.at(wx, wy, first);
+    const float fingers = 0.30f * (0.55f - crest.ridged(px, py, texel));
+    f.patina[k] = std::max(first.time + fingers, 0.10f);
+    const float rim = std::hypot(kRimTime, std::max(kRimMm, 0.7f * texel) * (first.slope + 0.06f));
+    f.patina_inverse_width[k] = 1 / std::min(rim, 0.4f);
+    const float anywhere = 0.26f + 0.30f * early.at(px, py, texel);
+    f.tarnish[k] = std::max(0.05f, std::min(anywhere, f.patina[k] - 0.14f) + 0.03f * f.mottle[k]);
+  }
+}
+
+std::shared_ptr<const PreparedSurface> Copper::prepare(const SampleGrid& grid) const {
+  const Bounds b = boundsOf(grid, 12);
+  const std::vector<BlobField> patina = seeds(b);
+  const BlobField patches({.seed = key(4), .cell_mm = 21, .probability = 1, .radius_min_mm = 15,
+                           .radius_max_mm = 21, .onset_min = 0.10f, .onset_max = 0.28f,
+                           .growth = 0.40f, .power = 1.1f},
+                          b.x0, b.y0, b.x1, b.y1);
+  Fields f(grid.x_mm.size());
+  forRowBlocks(grid.size, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y) {
+      fillMetal(grid, y, f);
+      fillLiquid(grid, y, patches, f);
+      fillPatina(grid, y, patina, f);
+    }
+  });
+  differentiate(grid, f.drying, f.drying_dx, f.drying_dy, 0.05f);
+  differentiate(grid, f.patina, f.patina_dx, f.patina_dy, 0.5f);
+  differentiate(grid, f.relief, f.relief_dx, f.relief_dy, 2.0f);
+  differentiate(grid, f.crust, f.crust_dx, f.crust_dy, 2.0f);
+  return std::make_shared<CopperSurface>(grid.size.width, std::move(f));
+}
+
+}  // namespace
+
+const SpecimenInfo& copperInfo() {
+  static const SpecimenInfo info{"copper_patination",
+                                 "brushed copper under a patinating liquid: bright, brown, green",
+                                 std::chrono::hours(6), 60};
+  return info;
+}
+
+std::unique_ptr<Specimen> makeCopper(std::uint64_t seed) { return std::make_unique<Copper>(seed); }
+
+}  // namespace patina::devices::twin
