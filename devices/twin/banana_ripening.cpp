@@ -26,11 +26,11 @@ namespace patina::devices::twin {
 
 namespace {
 
-constexpr float kRimMm = 0.10f;           // softness of a freckle's rim
-constexpr float kRimTime = 0.03f;         // a new spot takes this long to show
-constexpr float kHalo = 0.07f;            // its halo is so much ahead
+constexpr float kRimMm = 0.10f;    // softness of a freckle's rim
+constexpr float kRimTime = 0.03f;  // a new spot takes this long to show
+constexpr float kHalo = 0.07f;     // its halo is so much ahead
 constexpr float kBruiseRimMm = 2.2f;
-constexpr float kSinkMm = 0.05f;          // of a freckle
+constexpr float kSinkMm = 0.05f;  // of a freckle
 constexpr float kWrinkleMm = 0.10f;
 
 struct Fields {
@@ -96,8 +96,8 @@ void BananaSurface::rowAt(double time, int y, SurfaceRow& row) const {
          c.b * mix(1, bruise_tint.b, bruise)};
 
     const float since = t - f_.freckle[k], inverse_width = f_.freckle_inverse_width[k];
-    const float halo = 0.55f * smooth01(saturate((since + kHalo) * inverse_width * 0.4f)) *
-                       saturate(t * 8);
+    const float halo =
+        0.55f * smooth01(saturate((since + kHalo) * inverse_width * 0.4f)) * saturate(t * 8);
     c = {c.r * mix(1, halo_tint.r, halo), c.g * mix(1, halo_tint.g, halo),
          c.b * mix(1, halo_tint.b, halo)};
     const float s = saturate(since * inverse_width), dark = smooth01(s);
@@ -146,23 +146,58 @@ class Banana final : public Specimen {
 };
 
 std::vector<BlobField> Banana::freckles(const Bounds& b) const {
-  const BlobOptions classes[] = {
-      // pin-point dots, many and early
-      {.seed = key(1), .cell_mm = 1.7f, .probability = 0.45f, .radius_min_mm = 0.15f,
-       .radius_max_mm = 0.5f, .radius_power = 1.6f, .onset_min = 0.20f, .onset_max = 1.05f,
-       .onset_power = 0.8f, .growth = 0.9f, .power = 1.8f, .elongation = 1.25f},
-      // ordinary freckles
-      {.seed = key(2), .cell_mm = 4.2f, .probability = 0.85f, .radius_min_mm = 0.7f,
-       .radius_max_mm = 2.4f, .radius_power = 1.8f, .onset_min = 0.24f, .onset_max = 1.0f,
-       .onset_power = 0.9f, .growth = 0.85f, .power = 1.5f, .elongation = 1.35f},
-      // blotches
-      {.seed = key(3), .cell_mm = 10.0f, .probability = 0.75f, .radius_min_mm = 2.5f,
-       .radius_max_mm = 6.0f, .radius_power = 1.2f, .onset_min = 0.30f, .onset_max = 0.95f,
-       .onset_power = 0.9f, .growth = 1.05f, .power = 1.4f, .elongation = 1.4f},
-      // short streaks along the fibres
-      {.seed = key(4), .cell_mm = 7.0f, .probability = 0.45f, .radius_min_mm = 0.18f,
-       .radius_max_mm = 0.7f, .radius_power = 1.5f, .onset_min = 0.35f, .onset_max = 1.0f,
-       .onset_power = 0.8f, .growth = 0.8f, .power = 1.6f, .elongation = 9.0f}};
+  const BlobOptions classes[] = {// pin-point dots, many and early
+                                 {.seed = key(1),
+                                  .cell_mm = 1.7f,
+                                  .probability = 0.45f,
+                                  .radius_min_mm = 0.15f,
+                                  .radius_max_mm = 0.5f,
+                                  .radius_power = 1.6f,
+                                  .onset_min = 0.20f,
+                                  .onset_max = 1.05f,
+                                  .onset_power = 0.8f,
+                                  .growth = 0.9f,
+                                  .power = 1.8f,
+                                  .elongation = 1.25f},
+                                 // ordinary freckles
+                                 {.seed = key(2),
+                                  .cell_mm = 4.2f,
+                                  .probability = 0.85f,
+                                  .radius_min_mm = 0.7f,
+                                  .radius_max_mm = 2.4f,
+                                  .radius_power = 1.8f,
+                                  .onset_min = 0.24f,
+                                  .onset_max = 1.0f,
+                                  .onset_power = 0.9f,
+                                  .growth = 0.85f,
+                                  .power = 1.5f,
+                                  .elongation = 1.35f},
+                                 // blotches
+                                 {.seed = key(3),
+                                  .cell_mm = 10.0f,
+                                  .probability = 0.75f,
+                                  .radius_min_mm = 2.5f,
+                                  .radius_max_mm = 6.0f,
+                                  .radius_power = 1.2f,
+                                  .onset_min = 0.30f,
+                                  .onset_max = 0.95f,
+                                  .onset_power = 0.9f,
+                                  .growth = 1.05f,
+                                  .power = 1.4f,
+                                  .elongation = 1.4f},
+                                 // short streaks along the fibres
+                                 {.seed = key(4),
+                                  .cell_mm = 7.0f,
+                                  .probability = 0.45f,
+                                  .radius_min_mm = 0.18f,
+                                  .radius_max_mm = 0.7f,
+                                  .radius_power = 1.5f,
+                                  .onset_min = 0.35f,
+                                  .onset_max = 1.0f,
+                                  .onset_power = 0.8f,
+                                  .growth = 0.8f,
+                                  .power = 1.6f,
+                                  .elongation = 9.0f}};
   std::vector<BlobField> fields;
   for (const BlobOptions& options : classes) fields.emplace_back(options, b.x0, b.y0, b.x1, b.y1);
   return fields;
@@ -203,9 +238,16 @@ void Banana::fillRow(const SampleGrid& grid, int y, const std::vector<BlobField>
 std::shared_ptr<const PreparedSurface> Banana::prepare(const SampleGrid& grid) const {
   const Bounds b = boundsOf(grid, 12);
   const std::vector<BlobField> freckle = freckles(b);
-  const BlobField bruise({.seed = key(5), .cell_mm = 19, .probability = 0.7f, .radius_min_mm = 7,
-                          .radius_max_mm = 15, .onset_min = 0.40f, .onset_max = 0.95f,
-                          .growth = 1.1f, .power = 1.3f, .elongation = 1.25f},
+  const BlobField bruise({.seed = key(5),
+                          .cell_mm = 19,
+                          .probability = 0.7f,
+                          .radius_min_mm = 7,
+                          .radius_max_mm = 15,
+                          .onset_min = 0.40f,
+                          .onset_max = 0.95f,
+                          .growth = 1.1f,
+                          .power = 1.3f,
+                          .elongation = 1.25f},
                          b.x0, b.y0, b.x1, b.y1);
   Fields f(grid.x_mm.size());
   forRowBlocks({grid.size.width, grid.size.height}, [&](int y0, int y1) {
@@ -220,8 +262,8 @@ std::shared_ptr<const PreparedSurface> Banana::prepare(const SampleGrid& grid) c
 }  // namespace
 
 const SpecimenInfo& bananaInfo() {
-  static const SpecimenInfo info{
-      "banana_ripening", "banana skin: yellow, freckled, brown", std::chrono::hours(7 * 24), 60};
+  static const SpecimenInfo info{"banana_ripening", "banana skin: yellow, freckled, brown",
+                                 std::chrono::hours(7 * 24), 60};
   return info;
 }
 

@@ -31,8 +31,8 @@ BlobField::BlobField(const BlobOptions& options, float x0, float y0, float x1, f
       if (draw(0) >= options_.probability) continue;
       b.x = (static_cast<float>(column0_ + c) + draw(1)) * options_.cell_mm;
       b.y = (static_cast<float>(row0_ + r) + draw(2)) * options_.cell_mm;
-      b.onset = options_.onset_min + (options_.onset_max - options_.onset_min) *
-                                         std::pow(draw(3), options_.onset_power);
+      b.onset = options_.onset_min +
+                (options_.onset_max - options_.onset_min) * std::pow(draw(3), options_.onset_power);
       b.inverse_radius =
           1 / (options_.radius_min_mm + (options_.radius_max_mm - options_.radius_min_mm) *
                                             std::pow(draw(4), options_.radius_power));
@@ -42,7 +42,8 @@ BlobField::BlobField(const BlobOptions& options, float x0, float y0, float x1, f
 
 Arrival BlobField::at(float x_mm, float y_mm, const Arrival& before) const {
   Arrival first = before;
-  const auto c = static_cast<int>(std::floor(x_mm / options_.cell_mm) - static_cast<float>(column0_));
+  const auto c =
+      static_cast<int>(std::floor(x_mm / options_.cell_mm) - static_cast<float>(column0_));
   const auto r = static_cast<int>(std::floor(y_mm / options_.cell_mm) - static_cast<float>(row0_));
   const int c1 = std::min(c + 1, columns_ - 1), r1 = std::min(r + 1, rows_ - 1);
   for (int j = std::max(r - 1, 0); j <= r1; ++j)
@@ -56,8 +57,8 @@ Arrival BlobField::at(float x_mm, float y_mm, const Arrival& before) const {
       const float grown = std::pow(q, options_.power);
       const float time = b.onset + options_.growth * grown;
       if (time < first.time)
-        first = {time, options_.growth * options_.power * grown / std::max(q, 1e-3f) *
-                           b.inverse_radius};
+        first = {time,
+                 options_.growth * options_.power * grown / std::max(q, 1e-3f) * b.inverse_radius};
     }
   return first;
 }

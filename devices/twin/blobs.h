@@ -13,15 +13,15 @@ namespace patina::devices::twin {
 
 struct BlobOptions {
   std::uint64_t seed = 0;
-  float cell_mm = 4;         // one candidate a cell, anywhere in it
-  float probability = 1;     // that a cell has one
+  float cell_mm = 4;                              // one candidate a cell, anywhere in it
+  float probability = 1;                          // that a cell has one
   float radius_min_mm = 0.5f, radius_max_mm = 2;  // R; at most cell_mm / elongation
-  float radius_power = 1;    // above 1: small ones are more frequent
-  float onset_min = 0.2f, onset_max = 0.9f;  // share of the process
-  float onset_power = 1;     // below 1: late ones are more frequent
-  float growth = 1;          // g: time from onset to radius R
-  float power = 1.5f;        // p: above 1 fast at first
-  float elongation = 1;      // along y
+  float radius_power = 1;                         // above 1: small ones are more frequent
+  float onset_min = 0.2f, onset_max = 0.9f;       // share of the process
+  float onset_power = 1;                          // below 1: late ones are more frequent
+  float growth = 1;                               // g: time from onset to radius R
+  float power = 1.5f;                             // p: above 1 fast at first
+  float elongation = 1;                           // along y
 };
 
 struct Arrival {

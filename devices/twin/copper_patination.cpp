@@ -96,7 +96,8 @@ void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
 
     const float shade = mix(1, 0.48f, wet);
     d = scaled(d, shade);
-    f0 = {f0.r * mix(1, film_tint.r, wet) + 0.02f * wet, f0.g * mix(1, film_tint.g, wet) + 0.02f * wet,
+    f0 = {f0.r * mix(1, film_tint.r, wet) + 0.02f * wet,
+          f0.g * mix(1, film_tint.g, wet) + 0.02f * wet,
           f0.b * mix(1, film_tint.b, wet) + 0.02f * wet};
     rough = mix(rough, 0.20f, 0.9f * wet);
 
@@ -109,7 +110,8 @@ void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
     row[SurfaceRow::kRoughness][i] = std::max(saturate(rough), 0.02f);
 
     // The brush marks drown in the film and vanish under the crust.
-    const float bare = (1 - 0.7f * wet) * (1 - 0.8f * green), grow = 6 * s * (1 - s) * inverse_width;
+    const float bare = (1 - 0.7f * wet) * (1 - 0.8f * green),
+                grow = 6 * s * (1 - s) * inverse_width;
     const float front = 6 * dried_raw * (1 - dried_raw) / kDryingWidth * kFilmMm * arrived;
     const float dx = bare * f_.relief_dx[k] + green * f_.crust_dx[k] + front * f_.drying_dx[k] -
                      grow * kCrustMm * f_.patina_dx[k];
@@ -148,14 +150,34 @@ class Copper final : public Specimen {
 };
 
 std::vector<BlobField> Copper::seeds(const Bounds& b) const {
-  const BlobOptions classes[] = {
-      {.seed = key(1), .cell_mm = 19, .probability = 0.8f, .radius_min_mm = 10,
-       .radius_max_mm = 19, .onset_min = 0.16f, .onset_max = 0.55f, .growth = 0.95f, .power = 1.15f},
-      {.seed = key(2), .cell_mm = 8, .probability = 0.65f, .radius_min_mm = 3.5f,
-       .radius_max_mm = 8, .onset_min = 0.18f, .onset_max = 0.85f, .growth = 0.95f, .power = 1.25f},
-      {.seed = key(3), .cell_mm = 2.6f, .probability = 0.6f, .radius_min_mm = 0.5f,
-       .radius_max_mm = 2.2f, .radius_power = 2, .onset_min = 0.2f, .onset_max = 1.05f,
-       .growth = 0.9f, .power = 1.5f}};
+  const BlobOptions classes[] = {{.seed = key(1),
+                                  .cell_mm = 19,
+                                  .probability = 0.8f,
+                                  .radius_min_mm = 10,
+                                  .radius_max_mm = 19,
+                                  .onset_min = 0.16f,
+                                  .onset_max = 0.55f,
+                                  .growth = 0.95f,
+                                  .power = 1.15f},
+                                 {.seed = key(2),
+                                  .cell_mm = 8,
+                                  .probability = 0.65f,
+                                  .radius_min_mm = 3.5f,
+                                  .radius_max_mm = 8,
+                                  .onset_min = 0.18f,
+                                  .onset_max = 0.85f,
+                                  .growth = 0.95f,
+                                  .power = 1.25f},
+                                 {.seed = key(3),
+                                  .cell_mm = 2.6f,
+                                  .probability = 0.6f,
+                                  .radius_min_mm = 0.5f,
+                                  .radius_max_mm = 2.2f,
+                                  .radius_power = 2,
+                                  .onset_min = 0.2f,
+                                  .onset_max = 1.05f,
+                                  .growth = 0.9f,
+                                  .power = 1.5f}};
   std::vector<BlobField> fields;
   for (const BlobOptions& options : classes) fields.emplace_back(options, b.x0, b.y0, b.x1, b.y1);
   return fields;
@@ -202,7 +224,8 @@ void Copper::fillPatina(const SampleGrid& grid, int y, const std::vector<BlobFie
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
     const float px = grid.x_mm[k], py = grid.y_mm[k];
-    const float wx = px + 2.4f * warp_x.at(px, py, texel), wy = py + 2.4f * warp_y.at(px, py, texel);
+    const float wx = px + 2.4f * warp_x.at(px, py, texel),
+                wy = py + 2.4f * warp_y.at(px, py, texel);
     Arrival first;
     for (const BlobField& field : seeds) first = field.at(wx, wy, first);
     const float fingers = 0.30f * (0.55f - crest.ridged(px, py, texel));
@@ -217,9 +240,15 @@ void Copper::fillPatina(const SampleGrid& grid, int y, const std::vector<BlobFie
 std::shared_ptr<const PreparedSurface> Copper::prepare(const SampleGrid& grid) const {
   const Bounds b = boundsOf(grid, 12);
   const std::vector<BlobField> patina = seeds(b);
-  const BlobField patches({.seed = key(4), .cell_mm = 21, .probability = 1, .radius_min_mm = 15,
-                           .radius_max_mm = 21, .onset_min = 0.10f, .onset_max = 0.28f,
-                           .growth = 0.40f, .power = 1.1f},
+  const BlobField patches({.seed = key(4),
+                           .cell_mm = 21,
+                           .probability = 1,
+                           .radius_min_mm = 15,
+                           .radius_max_mm = 21,
+                           .onset_min = 0.10f,
+                           .onset_max = 0.28f,
+                           .growth = 0.40f,
+                           .power = 1.1f},
                           b.x0, b.y0, b.x1, b.y1);
   Fields f(grid.x_mm.size());
   forRowBlocks(grid.size, [&](int y0, int y1) {

@@ -16,9 +16,9 @@ class GreySurface final : public PreparedSurface {
     const auto fill = [&](SurfaceRow::Channel c, float v) { std::fill_n(row[c], row.width(), v); };
     for (const auto c : {SurfaceRow::kDiffuseR, SurfaceRow::kDiffuseG, SurfaceRow::kDiffuseB})
       fill(c, kAlbedo);
-    for (const auto c : {SurfaceRow::kSpecularR, SurfaceRow::kSpecularG, SurfaceRow::kSpecularB,
-                         SurfaceRow::kNormalX, SurfaceRow::kNormalY, SurfaceRow::kHeight,
-                         SurfaceRow::kDegree})
+    for (const auto c :
+         {SurfaceRow::kSpecularR, SurfaceRow::kSpecularG, SurfaceRow::kSpecularB,
+          SurfaceRow::kNormalX, SurfaceRow::kNormalY, SurfaceRow::kHeight, SurfaceRow::kDegree})
       fill(c, 0);
     fill(SurfaceRow::kRoughness, 1);
     fill(SurfaceRow::kNormalZ, 1);

@@ -27,9 +27,9 @@ struct SensorProfile {  // the image sensor; electrons unless named otherwise
 };
 
 struct LensProfile {
-  double k1 = 0, k2 = 0;        // radial distortion, radius in focal lengths
-  double focal_length = 0;      // in picture widths
-  double corner_falloff = 0;    // share of light missing in the corners
+  double k1 = 0, k2 = 0;      // radial distortion, radius in focal lengths
+  double focal_length = 0;    // in picture widths
+  double corner_falloff = 0;  // share of light missing in the corners
 };
 
 struct LampProfile {

@@ -47,8 +47,19 @@ struct SampleGrid {
 class SurfaceRow {
  public:
   enum Channel {
-    kDiffuseR, kDiffuseG, kDiffuseB, kSpecularR, kSpecularG, kSpecularB,
-    kRoughness, kNormalX, kNormalY, kNormalZ, kHeight, kDegree, kChannels
+    kDiffuseR,
+    kDiffuseG,
+    kDiffuseB,
+    kSpecularR,
+    kSpecularG,
+    kSpecularB,
+    kRoughness,
+    kNormalX,
+    kNormalY,
+    kNormalZ,
+    kHeight,
+    kDegree,
+    kChannels
   };
   explicit SurfaceRow(int width)
       : width_(width), values_(static_cast<std::size_t>(width) * kChannels) {}

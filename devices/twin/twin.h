@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The simulated rig. One world holds specimen, lamps, sensors and cameras together, so that a dead
 // lamp gives a dark picture. Everything is a pure function of seed, profile and time.
+//
+// Frame of the rig: origin in the middle of the specimen, x right, y up, z to the camera, mm.
+// Settings of the devices in the rig file (`settings = { ... }`):
+//   camera  format = "dng" | "jpeg" | "raw+jpeg"; width, height (even; default: the twin's size);
+//           exposure_min, exposure_max ("1/10000", "30s")
+//   light   kind = "incandescent" | "led" (no ripple)
+//   sensor  position_mm = "x,y,z" (illuminance only)
 #pragma once
 
 #include <cstdint>
@@ -22,5 +29,19 @@ struct TwinOptions {
 // A whole rig of backend "twin" devices on one world. Throws ConfigError for a specimen, setting
 // or backend that is not there. The clock outlives the rig. Thread-bound as its devices are.
 Rig makeTwinRig(const RigSpec& spec, const TwinOptions& options, Clock& clock);
+
+// Where things are in a twin camera's picture. The grey patch lies where the rig's [patch] of this
+// camera says, else in the lower left corner: 64x64 pixels, in pictures under 256 px high a quarter
+// of the height. A black border of a sixteenth of its side goes round it. The specimen fills all
+// else; its region of interest is the largest rectangle beside patch and border.
+struct PictureLayout {
+  SizePx size;
+  RectPx patch_px;
+  RectPx specimen_px;
+};
+PictureLayout pictureLayout(const RigSpec& spec, const CameraSpec& camera);
+
+// Whole mains half-periods: what a plan without exposures of its own should use.
+Exposure defaultExposure();
 
 }  // namespace patina::devices::twin

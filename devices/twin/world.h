@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The room of the twin: one specimen, its lamps and its air, as all devices of the rig see them.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/rig.h"
+#include "devices/twin/lamp.h"
+#include "devices/twin/profile.h"
+#include "devices/twin/specimen.h"
+#include "devices/twin/twin.h"
+
+namespace patina::devices::twin {
+
+// Thread-safe: devices may live on threads of their own. Times count from the run's start, by UTC,
+// so that a process started again finds the world where it would have been.
+class World {
+ public:
+  World(const RigSpec& spec, const TwinOptions& options, Clock& clock);
+
+  Clock& clock() const { return clock_; }
+  const Profile& profile() const { return profile_; }
+  const Specimen& specimen() const { return *specimen_; }
+  const RigSpec& spec() const { return spec_; }
+  std::uint64_t seed() const { return options_.seed; }
+
+  Nanoseconds runTime() const { return clock_.utc() - options_.start_utc; }
+  double specimenTimeAt(Nanoseconds run_time) const;  // [0,1]
+  Celsius temperatureAt(Nanoseconds run_time) const;  // of the air, noiseless
+  double humidityAt(Nanoseconds run_time) const;      // percent, noiseless
+
+  std::size_t lampCount() const { return lamps_.size(); }
+  void setLamp(std::size_t lamp, double level);
+  double lampSetting(std::size_t lamp) const;
+  // Mean level of every lamp over an exposure, in the rig file's order.
+  std::vector<double> levelsOver(Nanoseconds begin, Nanoseconds exposure) const;
+  Lux illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time) const;
+
+ private:
+  double dayPhase(Nanoseconds run_time) const;  // 1 at 15:00 UTC, -1 at 03:00
+
+  RigSpec spec_;
+  TwinOptions options_;
+  Clock& clock_;
+  const Profile& profile_;
+  std::unique_ptr<Specimen> specimen_;
+  mutable std::mutex mutex_;  // guards lamps_
+  std::vector<Lamp> lamps_;
+};
+
+// Light at a point of a horizontal plane, over that of the same lamp at the origin of the rig's
+// frame: inverse square times cosine. Powers are chosen so that every lamp alone gives level 1
+// there, whatever its distance; its position shapes the rest.
+double relativeIrradiance(const std::array<double, 3>& lamp_mm,
+                          const std::array<double, 3>& point_mm);
+
+}  // namespace patina::devices::twin
