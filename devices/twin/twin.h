@@ -22,8 +22,8 @@ namespace patina::devices::twin {
 struct TwinOptions {
   std::uint64_t seed = 1;
   Nanoseconds duration{};  // of the specimen's whole process: the run's length
-  UtcTime start_utc;       // when the process begins: the run's t0, also after a restart
-  FaultPlan faults;        // lamp faults act in the world; device faults by the decorators
+  UtcTime start_utc{};     // when the process begins: the run's t0, also after a restart
+  FaultPlan faults{};      // lamp faults act in the world; device faults by the decorators
 };
 
 // A whole rig of backend "twin" devices on one world. Throws ConfigError for a specimen, setting
