@@ -13,13 +13,16 @@
 namespace patina::calibration {
 
 // Robust level of a patch: per channel mean of the texels within the middle 80 % (trimmed), linear,
-// share of full scale. `spread` is the trimmed standard deviation over the mean.
+// share of full scale. `spread` is the trimmed standard deviation over the mean, `noise` the
+// standard error of the level, relative, by the differences of neighbouring texels.
 struct PatchLevel {
   int channels = 0;
   std::array<double, 3> level{};
   std::array<double, 3> spread{};
+  std::array<double, 3> noise{};
   double saturated_fraction = 0;
 };
+// Throw CalibrationError when the patch does not lie inside the picture. O(patch).
 PatchLevel measurePatch(ImageView<const float> linear, RectPx rect);
 PatchLevel measurePatch(ImageView<const std::uint16_t> mosaic,
                         const std::array<std::uint8_t, 4>& cfa, double black_level,
@@ -44,7 +47,12 @@ struct LightModelOptions {
   double correct_above = 0.001;  // |drift| above this is corrected by gain, else pass
   int learn_samples = 3;         // consecutive steady samples that make a baseline
   double learn_band = 0.01;      // steady: within this of one another
-  void check() const;            // throws CalibrationError
+  double lamp_noise = 0.001;     // RMS from shot to shot: real light, so undone by the gain
+  double dark_level = 0.004;     // below this there is no light to learn from: hold
+  // Light nobody watched may have drifted: the band widens by this for every day since the last
+  // level that was taken in, up to drift_band. So a lamp that was exchanged is taken in after days.
+  double unseen_drift_per_day = 0.02;
+  void check() const;  // throws CalibrationError
 };
 
 // One series: one light state, exposure, source and channel. Pure state machine; copyable; its
@@ -53,7 +61,7 @@ struct LightSeries {
   std::vector<double> learning;  // samples until the baseline is made
   double baseline = 0;           // 0: still learning
   double forecast = 0;           // level expected now (tracks drift)
-  double drift_per_hour = 0;     // of the forecast, relative
+  double drift_per_hour = 0;     // of the forecast, relative; for reports
   std::optional<UtcTime> last_utc;
 };
 struct LightJudgement {
@@ -62,7 +70,8 @@ struct LightJudgement {
   double gain = 1;   // baseline / (level, smoothed): undoes drift
 };
 // Judges `level` and, unless the verdict is hold or worse, takes it into the series.
+// `level_noise` is its relative standard error: an innovation within it moves the gain little.
 LightJudgement judgeLevel(LightSeries& series, double level, UtcTime utc,
-                          const LightModelOptions& options);
+                          const LightModelOptions& options, double level_noise = 0);
 
 }  // namespace patina::calibration

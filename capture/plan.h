@@ -26,7 +26,7 @@ struct LightCheck {
   LightMode mode = LightMode::kControlled;
   double band = 0.02;      // relative, both sides, against the forecast
   Nanoseconds settle{};    // after a lamp goes on, before it is measured
-  Nanoseconds max_hold{};  // within a step; default: until the slot ends
+  Nanoseconds max_hold{};  // within a step; default, and at most: until the slot ends
 };
 enum class LatePolicy { kSkip };  // late more than half an interval: skipped, number kept
 struct Plan {
@@ -53,7 +53,14 @@ Plan parsePlan(const std::string& toml, const std::filesystem::path& source);
 // Names in the plan that the rig does not have: a ConfigError on the plan's line.
 void checkAgainst(const Plan& plan, const devices::RigSpec& rig);
 
-std::int64_t stepCount(const Plan& plan);  // steps in the duration, windows included
-int shotsAStep(const Plan& plan);
+// Numbers of steps are slots of the grid t0 + k * interval, k in [0, slotCount); a slot that lies
+// outside the windows is due to nobody and has no row.
+std::int64_t slotCount(const Plan& plan);
+std::int64_t stepCount(const Plan& plan, UtcTime t0);  // slots that are due, windows included
+std::int64_t stepCount(const Plan& plan);              // from the plan's start, else midnight
+std::vector<std::string> camerasOf(const Sweep& sweep, const devices::RigSpec& rig);
+int shotsAStep(const Plan& plan, const devices::RigSpec& rig);
+int shotsAStep(const Plan& plan);             // a sweep that names no cameras counts as one
+Nanoseconds shortestSweep(const Plan& plan);  // exposures and settle times alone
 
 }  // namespace patina::capture

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/light_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "calibration/failure.h"
+
+namespace patina::calibration {
+namespace {
+
+constexpr double kTrimShare = 0.10;     // from either end: the middle 80 % is kept
+constexpr double kSaturatedAt = 0.998;  // of full scale: 254.5 of 255 in sRGB code values
+constexpr double kLeastWeight = 0.25;   // of an innovation: bounds the lag behind a drift
+
+struct Trimmed {
+  double mean = 0, deviation = 0;
+  std::size_t kept = 0;
+};
+
+Trimmed trimmedMean(std::vector<float>& values) {
+  const auto n = values.size();
+  const auto cut = static_cast<std::size_t>(static_cast<double>(n) * kTrimShare);
+  const auto first = values.begin() + static_cast<std::ptrdiff_t>(cut);
+  const auto last = values.end() - static_cast<std::ptrdiff_t>(cut);
+  if (cut > 0) {
+    std::nth_element(values.begin(), first, values.end());
+    std::nth_element(first, last - 1, values.end());
+  }
+  double sum = 0, squares = 0;
+  for (auto it = first; it != last; ++it) {
+    sum += *it;
+    squares += static_cast<double>(*it) * *it;
+  }
+  Trimmed t;
+  t.kept = static_cast<std::size_t>(last - first);
+  if (t.kept == 0) return t;
+  const double count = static_cast<double>(t.kept);
+  t.mean = sum / count;
+  t.deviation = std::sqrt(std::max(0.0, squares / count - t.mean * t.mean));
+  return t;
+}
+
+// Standard deviation of a texel from the differences of neighbours: a gradient of the light over
+// the patch, which averages the same in every shot, is not noise.
+double texelNoise(const std::vector<float>& in_scan_order) {
+  if (in_scan_order.size() < 2) return 0;
+  std::vector<float> steps(in_scan_order.size() - 1);
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    steps[i] = std::abs(in_scan_order[i + 1] - in_scan_order[i]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle / (0.6745 * std::sqrt(2.0));  // median of |N(0, 2 s^2)|
+}
+
+void put(PatchLevel& out, std::size_t channel, std::vector<float>& values) {
+  const double texel_noise = texelNoise(values);
+  const Trimmed t = trimmedMean(values);
+  out.level[channel] = t.mean;
+  if (!(t.mean > 0)) return;
+  out.spread[channel] = t.deviation / t.mean;
+  out.noise[channel] = texel_noise / std::sqrt(static_cast<double>(values.size())) / t.mean;
+}
+
+void checkRect(RectPx r, SizePx size) {
+  if (r.width < 2 || r.height < 2 || r.x < 0 || r.y < 0 || r.x + r.width > size.width ||
+      r.y + r.height > size.height)
+    throw CalibrationError(Exit::kConfig,
+                           "reference patch " + std::to_string(r.width) + "x" +
+                               std::to_string(r.height) + " at (" + std::to_string(r.x) + ", " +
+                               std::to_string(r.y) + ") does not lie inside the picture of " +
+                               std::to_string(size.width) + "x" + std::to_string(size.height));
+}
+
+void requireRange(bool ok, const char* field, double value, const char* range) {
+  if (!ok)
+    throw CalibrationError(Exit::kUsage, std::string("light check: ") + field + " is " +
+                                             std::to_string(value) + ", allowed " + range);
+}
+
+double relative(double a, double b) { return a / b - 1.0; }
+
+// Learning: the newest samples must agree among themselves; then their mean is the baseline.
+LightJudgement learn(LightSeries& series, double level, const LightModelOptions& options) {
+  LightJudgement j;
+  if (level < options.dark_level) {
+    series.learning.clear();
+    j.verdict = LightVerdict::kHold;
+    j.ratio = 0;
+    return j;
+  }
+  series.learning.push_back(level);
+  const auto wanted = static_cast<std::size_t>(options.learn_samples);
+  if (series.learning.size() > wanted) series.learning.erase(series.learning.begin());
+  if (series.learning.size() < wanted) return j;
+  const auto [low, high] = std::minmax_element(series.learning.begin(), series.learning.end());
+  if (relative(*high, *low) > options.learn_band) return j;
+  double sum = 0;
+  for (const double v : series.learning) sum += v;
+  series.baseline = sum / static_cast<double>(wanted);
+  series.forecast = level;
+  series.learning.clear();
+  return j;
+}
+
+// Share of the innovation that is taken for light. The lamp's own noise is in the frame and wants
+// undoing; the patch's noise is not. An innovation far beyond the patch's noise is light.
+double innovationWeight(double innovation, double level_noise, double lamp_noise) {
+  if (level_noise <= 0) return 1;
+  const double patch = level_noise * level_noise;
+  const double wiener = lamp_noise * lamp_noise / (lamp_noise * lamp_noise + patch);
+  const double surprise = innovation * innovation / (innovation * innovation + 9 * patch);
+  return std::max({wiener, surprise, kLeastWeight});
+}
+
+}  // namespace
+
+PatchLevel measurePatch(ImageView<const float> linear, RectPx rect) {
+  checkRect(rect, linear.size());
+  const auto patch = linear.crop(rect);
+  PatchLevel out;
+  out.channels = std::min(patch.channels, 3);
+  std::vector<float> values;
+  values.reserve(static_cast<std::size_t>(rect.width) * rect.height);
+  std::int64_t saturated = 0;
+  for (int c = 0; c < out.channels; ++c) {
+    values.clear();
+    for (int y = 0; y < patch.height; ++y)
+      for (int x = 0; x < patch.width; ++x) values.push_back(patch.at(x, y, c));
+    saturated +=
+        std::count_if(values.begin(), values.end(), [](float v) { return !(v < kSaturatedAt); });
+    put(out, static_cast<std::size_t>(c), values);
+  }
+  out.saturated_fraction = static_cast<double>(saturated) /
+                           (static_cast<double>(rect.width) * rect.height * out.channels);
+  return out;
+}
+
+PatchLevel measurePatch(ImageView<const std::uint16_t> mosaic,
+                        const std::array<std::uint8_t, 4>& cfa, double black_level,
+                        double white_level, RectPx rect) {
+  checkRect(rect, mosaic.size());
+  PatchLevel out;
+  out.channels = 3;
+  const double range = white_level - black_level;
+  if (!(range > 0))
+    throw CalibrationError(Exit::kBadData, "raw picture: white level does not lie above black");
+  std::array<std::vector<float>, 3> values;
+  for (auto& v : values) v.reserve(static_cast<std::size_t>(rect.width) * rect.height / 2 + 2);
+  std::int64_t saturated = 0;
+  for (int y = rect.y; y < rect.y + rect.height; ++y) {
+    const std::uint16_t* row = mosaic.row(y);
+    for (int x = rect.x; x < rect.x + rect.width; ++x) {
+      const double v = (row[x] - black_level) / range;
+      if (v >= kSaturatedAt) ++saturated;
+      values[std::min<std::size_t>(cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))], 2)]
+          .push_back(static_cast<float>(v));
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) put(out, c, values[c]);
+  out.saturated_fraction =
+      static_cast<double>(saturated) / (static_cast<double>(rect.width) * rect.height);
+  return out;
+}
+
+const char* name(LightVerdict v) {
+  switch (v) {
+    case LightVerdict::kLearn:
+      return "learn";
+    case LightVerdict::kPass:
+      return "pass";
+    case LightVerdict::kCorrect:
+      return "correct";
+    case LightVerdict::kHold:
+      return "hold";
+    case LightVerdict::kFail:
+      return "fail";
+    case LightVerdict::kMeasure:
+      return "measure";
+    case LightVerdict::kSaturated:
+      return "saturated";
+    case LightVerdict::kCovered:
+      return "covered";
+    case LightVerdict::kAtOdds:
+      return "at_odds";
+  }
+  return "?";
+}
+
+void LightModelOptions::check() const {
+  requireRange(step_band > 0 && step_band < 1, "step band", step_band, "(0, 1)");
+  requireRange(drift_band > 0 && drift_band < 1, "drift band", drift_band, "(0, 1)");
+  requireRange(correct_above >= 0 && correct_above < 1, "correct_above", correct_above, "[0, 1)");
+  requireRange(learn_samples >= 1 && learn_samples <= 1000, "learn_samples", learn_samples,
+               "1 to 1000");
+  requireRange(learn_band > 0 && learn_band < 1, "learn band", learn_band, "(0, 1)");
+  requireRange(lamp_noise >= 0 && lamp_noise < 1, "lamp noise", lamp_noise, "[0, 1)");
+  requireRange(unseen_drift_per_day >= 0, "unseen drift", unseen_drift_per_day, "0 or more");
+}
+
+LightJudgement judgeLevel(LightSeries& series, double level, UtcTime utc,
+                          const LightModelOptions& options, double level_noise) {
+  LightJudgement j;
+  if (!(level > 0)) level = 0;  // NaN as well: no light
+  if (!(series.baseline > 0)) {
+    j = learn(series, level, options);
+    if (j.verdict == LightVerdict::kLearn) series.last_utc = utc;
+    return j;
+  }
+  j.ratio = level / series.baseline;
+  j.gain = series.baseline / series.forecast;
+  const double days =
+      series.last_utc ? std::max(0.0, toSeconds(utc - *series.last_utc)) / 86400 : 0;
+  const double band =
+      std::min(options.step_band + options.unseen_drift_per_day * days, options.drift_band);
+  const double innovation = relative(level, series.forecast);
+  if (!(std::abs(innovation) <= band)) {
+    j.verdict = LightVerdict::kHold;
+    return j;
+  }
+  const double estimate =
+      series.forecast *
+      (1 + innovation * innovationWeight(innovation, level_noise, options.lamp_noise));
+  const double drift = relative(estimate, series.baseline);
+  if (!(std::abs(drift) <= options.drift_band)) {
+    j.verdict = LightVerdict::kFail;
+    return j;
+  }
+  if (days > 0) {
+    // Averaged over about six hours, so that noise from shot to shot does not look like drift.
+    const double hours = days * 24, share = hours / (hours + 6);
+    series.drift_per_hour +=
+        share * (relative(estimate, series.forecast) / hours - series.drift_per_hour);
+  }
+  series.forecast = estimate;
+  series.last_utc = utc;
+  j.gain = series.baseline / estimate;
+  j.verdict =
+      std::abs(drift) > options.correct_above ? LightVerdict::kCorrect : LightVerdict::kPass;
+  return j;
+}
+
+}  // namespace patina::calibration

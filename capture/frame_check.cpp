@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/frame_check.h"
+
+#include <algorithm>
+
+#include "calibration/failure.h"
+#include "processing/image/dng_file.h"
+
+namespace patina::capture {
+namespace {
+
+std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
+
+// What one decode gives.
+struct Decoded {
+  SizePx size;
+  int bits = 0;
+  double saturated_fraction = 0;
+  bool all_equal = false;
+  std::optional<calibration::PatchLevel> patch;
+};
+
+int bitsOf(double white_level) {
+  int bits = 1;
+  while (bits < 32 && static_cast<double>((1ull << bits) - 1) < white_level) ++bits;
+  return bits;
+}
+
+template <class T>
+bool allEqual(const std::vector<T>& texels) {
+  return std::all_of(texels.begin(), texels.end(), [&](T v) { return v == texels.front(); });
+}
+
+Decoded decodeMosaic(std::span<const std::byte> file, std::optional<RectPx> patch) {
+  const RawMosaic raw = decodeRaw(file);
+  Decoded d;
+  d.size = raw.samples.size();
+  d.bits = bitsOf(raw.white_level);
+  const auto& samples = raw.samples.texels();
+  const auto full = std::count_if(samples.begin(), samples.end(),
+                                  [&](std::uint16_t v) { return v >= raw.white_level; });
+  d.saturated_fraction = static_cast<double>(full) / static_cast<double>(samples.size());
+  d.all_equal = allEqual(samples);
+  if (patch)
+    d.patch = calibration::measurePatch(raw.samples.view(), raw.cfa, raw.black_level,
+                                        raw.white_level, *patch);
+  return d;
+}
+
+Decoded decodeDeveloped(std::span<const std::byte> file, std::optional<RectPx> patch) {
+  const Picture picture = decodePicture(file);
+  Decoded d;
+  d.size = picture.linear.size();
+  d.bits = picture.bits;
+  d.saturated_fraction = picture.saturated_fraction;
+  d.all_equal = allEqual(picture.linear.texels());
+  if (patch) d.patch = calibration::measurePatch(picture.linear.view(), *patch);
+  return d;
+}
+
+}  // namespace
+
+const char* name(FrameFault fault) {
+  switch (fault) {
+    case FrameFault::kNone:
+      return "none";
+    case FrameFault::kMissingFile:
+      return "missing_file";
+    case FrameFault::kLength:
+      return "length";
+    case FrameFault::kDecode:
+      return "decode";
+    case FrameFault::kWrongSize:
+      return "wrong_size";
+    case FrameFault::kDuplicate:
+      return "duplicate";
+    case FrameFault::kStaleSequence:
+      return "stale";
+  }
+  return "?";
+}
+
+FrameCheck::FrameCheck(const devices::CameraCaps& caps, std::optional<RectPx> patch)
+    : caps_(caps), patch_(patch) {}
+
+void FrameCheck::refuse(ShotCheck& out, FrameFault fault, std::string detail) const {
+  if (out.fault != FrameFault::kNone) return;  // the first reason is the one to tell
+  out.fault = fault;
+  out.detail = "camera '" + caps_.id + "': " + std::move(detail);
+}
+
+void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& out) const {
+  const auto length = static_cast<std::int64_t>(frame.bytes.size());
+  if (length == 0) return refuse(out, FrameFault::kLength, "an empty file");
+  if (frame.declared_bytes && *frame.declared_bytes != length)
+    return refuse(out, FrameFault::kLength,
+                  "file of " + std::to_string(length) + " bytes, declared " +
+                      std::to_string(*frame.declared_bytes));
+  CheckedFrame checked;
+  checked.frame = &frame;
+  checked.sha256 = sha256(frame.bytes);
+  const auto last = last_.find(frame.file_index);
+  const bool repeated = last != last_.end() && last->second == checked.sha256;
+
+  const bool first = frame.file_index == 0;
+  Decoded d;
+  try {
+    const PictureFormat format = sniffFormat(frame.bytes);
+    const bool raw = format == PictureFormat::kDng || format == PictureFormat::kRaw;
+    const auto patch = first ? patch_ : std::nullopt;
+    // The size comes first: a patch measured on a picture of another size means nothing.
+    const SizePx claimed = raw ? caps_.size : readPictureHeader(frame.bytes).size;
+    if (!(claimed == caps_.size))
+      return refuse(out, FrameFault::kWrongSize,
+                    "picture of " + text(claimed) + ", contract " + text(caps_.size));
+    d = raw ? decodeMosaic(frame.bytes, patch) : decodeDeveloped(frame.bytes, patch);
+  } catch (const ProcessingError& error) {
+    return refuse(out, FrameFault::kDecode, error.what());
+  } catch (const calibration::CalibrationError& error) {
+    return refuse(out, FrameFault::kWrongSize, error.what());
+  }
+  if (!(d.size == caps_.size))
+    return refuse(out, FrameFault::kWrongSize,
+                  "picture of " + text(d.size) + ", contract " + text(caps_.size));
+  if (first && d.bits != caps_.bits)
+    return refuse(
+        out, FrameFault::kWrongSize,
+        "samples of " + std::to_string(d.bits) + " bits, contract " + std::to_string(caps_.bits));
+  if (repeated && lit && !d.all_equal)
+    return refuse(out, FrameFault::kDuplicate, "the previous picture came again as a new one");
+  checked.size = d.size;
+  checked.saturated_fraction = d.saturated_fraction;
+  out.frames.push_back(checked);
+  if (!first) return;
+  out.patch = d.patch;
+  out.saturated_fraction = d.saturated_fraction;
+  out.all_equal = d.all_equal;
+}
+
+ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
+                            const devices::Ticket& ticket, bool lit) const {
+  ShotCheck out;
+  std::vector<const devices::RawFrame*> files(std::max<std::size_t>(caps_.extensions.size(), 1));
+  for (const devices::RawFrame& frame : frames) {
+    if (frame.sequence != 0 && frame.sequence != ticket.sequence) {
+      out.remarks.push_back("camera '" + caps_.id + "': a picture of another shot came (" +
+                            std::to_string(frame.sequence) + ", asked " +
+                            std::to_string(ticket.sequence) + "); it fills no step");
+      continue;
+    }
+    const auto index = static_cast<std::size_t>(frame.file_index);
+    if (frame.file_index < 0 || index >= files.size()) {
+      refuse(out, FrameFault::kMissingFile,
+             "file number " + std::to_string(frame.file_index) + " of a shot of " +
+                 std::to_string(files.size()));
+      return out;
+    }
+    if (files[index])
+      out.remarks.push_back("camera '" + caps_.id + "': file " + std::to_string(frame.file_index) +
+                            " came twice; kept once");
+    else
+      files[index] = &frame;
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i]) {
+      checkFile(*files[i], lit, out);
+    } else if (frames.empty() || out.remarks.empty()) {
+      refuse(out, FrameFault::kMissingFile,
+             "file " + std::to_string(i) + " of the shot is missing");
+    } else {
+      refuse(out, FrameFault::kStaleSequence, "only pictures of other shots came");
+    }
+    if (out.fault != FrameFault::kNone) break;
+  }
+  return out;
+}
+
+void FrameCheck::remember(const ShotCheck& accepted) {
+  for (const CheckedFrame& f : accepted.frames) last_[f.frame->file_index] = f.sha256;
+}
+
+}  // namespace patina::capture

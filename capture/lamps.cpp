@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/lamps.h"
+
+#include <algorithm>
+
+namespace patina::capture {
+
+Lamps::Lamps(devices::Rig& rig, const devices::Clock& clock) : clock_(clock) {
+  for (const auto& light : rig.lights) {
+    Lamp lamp;
+    lamp.id = light->caps().id;
+    lamp.light = light.get();
+    for (const auto& spec : rig.spec.lights)
+      if (spec.id == lamp.id) lamp.between = spec.between;
+    lamps_.push_back(std::move(lamp));
+  }
+}
+
+devices::Result<void> Lamps::putOnce(Lamp& lamp, bool on) {
+  if (auto set = lamp.light->set(on ? 1.0 : 0.0); !set) return tl::make_unexpected(set.error());
+  if (lamp.light->caps().confirms) {
+    const auto state = lamp.light->isOn();
+    if (!state) return tl::make_unexpected(state.error());
+    if (state->has_value() && **state != on)
+      return devices::fail(
+          devices::Errc::kRefused,
+          "light '" + lamp.id + "': told " + (on ? "on" : "off") + ", but does not confirm it");
+  }
+  if (on && !lamp.on) lamp.since = clock_.mono();
+  lamp.on = on;
+  return {};
+}
+
+devices::Result<void> Lamps::put(Lamp& lamp, bool on) {
+  auto done = putOnce(lamp, on);
+  if (done) return done;
+  if (auto recovered = lamp.light->recover(); !recovered) return done;
+  lamp.on = false;
+  return putOnce(lamp, on);
+}
+
+std::vector<devices::Error> Lamps::start() {
+  std::vector<devices::Error> errors;
+  for (Lamp& lamp : lamps_) {
+    if (auto up = lamp.light->recover(); !up) errors.push_back(up.error());
+    lamp.on = false;
+  }
+  rest();
+  return errors;
+}
+
+devices::Result<MonoTime> Lamps::apply(const std::vector<std::string>& state, Nanoseconds settle) {
+  MonoTime settled = clock_.mono();
+  for (Lamp& lamp : lamps_) {
+    const bool on = std::find(state.begin(), state.end(), lamp.id) != state.end();
+    if (auto done = put(lamp, on); !done) return tl::make_unexpected(done.error());
+    if (on) settled = std::max(settled, lamp.since + settle);
+  }
+  return settled;
+}
+
+void Lamps::rest() {
+  for (Lamp& lamp : lamps_)
+    if (lamp.between != devices::Between::kKeep)
+      static_cast<void>(put(lamp, lamp.between == devices::Between::kOn));
+}
+
+void Lamps::allOff() {
+  for (Lamp& lamp : lamps_) static_cast<void>(put(lamp, false));
+}
+
+}  // namespace patina::capture

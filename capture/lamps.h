@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The rig's lamps as light states: what is on during a shot, and what each lamp does in between.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/rig.h"
+
+namespace patina::capture {
+
+class Lamps {
+ public:
+  Lamps(devices::Rig& rig, const devices::Clock& clock);
+
+  // Start-up: every lamp reachable and off, then as it is between shots. An unreachable lamp is no
+  // reason not to start: its states fail, the others go on.
+  std::vector<devices::Error> start();
+  // The lamps of `state` on, all others off; sent every time, since many lamps are one-way. Answers
+  // when the light is settled: `settle` after the last lamp went on.
+  devices::Result<MonoTime> apply(const std::vector<std::string>& state, Nanoseconds settle);
+  // Between shots. Failures are found by the next apply().
+  void rest();
+  // At the end of a run: off, whatever `between` says.
+  void allOff();
+
+ private:
+  struct Lamp {
+    std::string id;
+    devices::Light* light = nullptr;
+    devices::Between between = devices::Between::kOff;
+    bool on = false;
+    MonoTime since;
+  };
+  devices::Result<void> put(Lamp& lamp, bool on);
+  devices::Result<void> putOnce(Lamp& lamp, bool on);
+
+  const devices::Clock& clock_;
+  std::vector<Lamp> lamps_;
+};
+
+}  // namespace patina::capture

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/light_gate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace patina::capture {
+namespace {
+
+using calibration::LightVerdict;
+
+constexpr double kPatchSaturated = 0.02;  // share of the patch's samples
+constexpr double kCoveredBelow = 0.5;     // of the forecast, while a sensor says light
+constexpr double kCoveredSpread = 3.0;    // times the spread of the good patch ...
+constexpr double kSpreadLeast = 0.05;     // ... and at least this
+const char* const kChannels[] = {"r", "g", "b"};
+
+bool isBad(LightVerdict v) { return v == LightVerdict::kHold || v == LightVerdict::kFail; }
+
+LightVerdict parseVerdict(const std::string& text) {
+  for (int v = 0; v <= static_cast<int>(LightVerdict::kAtOdds); ++v)
+    if (text == calibration::name(static_cast<LightVerdict>(v)))
+      return static_cast<LightVerdict>(v);
+  return LightVerdict::kMeasure;
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%+.1f %%", share * 100);
+  return text;
+}
+
+void setVerdict(GateVerdict& out, std::size_t first_row, std::size_t rows, LightVerdict v) {
+  for (std::size_t i = first_row; i < first_row + rows; ++i)
+    out.rows[i].verdict = calibration::name(v);
+}
+
+// The first reason is the one to tell, but what blocks comes before what does not.
+void blame(GateVerdict& out, LightVerdict verdict, bool blocks, const std::string& reason) {
+  if (out.reason.empty() || (blocks && !out.blocks)) {
+    out.reason = reason;
+    out.worst = verdict;
+  }
+  out.blocks = out.blocks || blocks;
+}
+
+// A shot that is not taken has no channel that passed: a restart would learn from it.
+void holdAll(GateVerdict& out) {
+  for (db::LightCheckRow& r : out.rows)
+    if (r.verdict == "pass" || r.verdict == "correct" || r.verdict == "learn")
+      r.verdict = calibration::name(LightVerdict::kHold);
+}
+
+}  // namespace
+
+LightGate::LightGate(const LightCheck& check, const std::vector<devices::SensorSpec>& sensors,
+                     std::string run_id)
+    : check_(check), run_id_(std::move(run_id)) {
+  options_.step_band = check.band;
+  options_.check();
+  for (const auto& sensor : sensors)
+    if (sensor.band) bands_[sensor.id] = *sensor.band;
+}
+
+std::optional<std::array<double, 2>> LightGate::bandOf(const std::string& sensor) const {
+  const auto found = bands_.find(sensor);
+  if (found == bands_.end()) return std::nullopt;
+  return found->second;
+}
+
+void LightGate::restore(std::span<const db::LightCheckRow> rows) {
+  for (const db::LightCheckRow& r : rows) {
+    const LightVerdict verdict = parseVerdict(r.verdict);
+    if (r.source.starts_with("sensor:") && r.channel != "lx") continue;
+    Watched& w = series_[{r.light_state, r.source, r.channel, r.exposure_index}];
+    if (verdict == LightVerdict::kLearn && r.baseline == 0) {
+      calibration::judgeLevel(w.series, r.level, r.utc, options_);
+    } else if ((verdict == LightVerdict::kPass || verdict == LightVerdict::kCorrect) &&
+               r.baseline > 0 && r.gain > 0) {
+      w.series.baseline = r.baseline;
+      w.series.forecast = r.baseline / r.gain;
+      w.series.last_utc = r.utc;
+      w.series.learning.clear();
+    }
+  }
+}
+
+db::LightCheckRow LightGate::row(const LightSample& sample, const std::string& source,
+                                 const std::string& channel, double level) const {
+  db::LightCheckRow r;
+  r.run_id = run_id_;
+  r.step_id = sample.step_id;
+  r.light_state = sample.light_state;
+  r.exposure_index = sample.exposure_index;
+  r.source = source;
+  r.channel = channel;
+  r.level = level;
+  r.utc = sample.utc;
+  return r;
+}
+
+LightGate::Judged LightGate::judgeChannel(const LightSample& sample, const std::string& source,
+                                          const std::string& channel, double level, double noise,
+                                          GateVerdict& out) {
+  db::LightCheckRow r = row(sample, source, channel, level);
+  Judged j;
+  if (check_.mode == LightMode::kUncontrolled) {
+    j.judgement.verdict = LightVerdict::kMeasure;
+  } else {
+    j.watched = &series_[{sample.light_state, source, channel, sample.exposure_index}];
+    j.after = *j.watched;
+    j.known = j.after.series.baseline > 0;
+    if (j.known) j.deviation = level / j.after.series.forecast - 1;
+    r.baseline = j.after.series.baseline;
+    j.judgement = calibration::judgeLevel(j.after.series, level, sample.utc, options_, noise);
+    r.ratio = r.baseline > 0 ? j.judgement.ratio : 0;
+    r.gain = j.judgement.gain;
+  }
+  r.verdict = calibration::name(j.judgement.verdict);
+  out.rows.push_back(std::move(r));
+  return j;
+}
+
+LightGate::Witness LightGate::judgePatch(const LightSample& sample, const PatchSample& patch,
+                                         GateVerdict& out) {
+  Witness w;
+  w.source = "patch:" + patch.camera;
+  w.first_row = out.rows.size();
+  const auto& level = patch.level;
+  double spread = 0;
+  bool spread_out = false;
+  for (int c = 0; c < level.channels; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    w.channels.push_back(judgeChannel(sample, w.source, level.channels == 1 ? "y" : kChannels[i],
+                                      level.level[i], level.noise[i], out));
+    out.rows.back().shot_id = patch.shot_id;
+    Judged& j = w.channels.back();
+    w.known = w.known || j.known;
+    w.bad = w.bad || isBad(j.judgement.verdict);
+    if (std::abs(j.deviation) > std::abs(w.deviation)) w.deviation = j.deviation;
+    spread = level.spread[i];
+    const double usual = j.after.spread;
+    spread_out =
+        spread_out || (usual >= 0 && spread > kSpreadLeast && spread > kCoveredSpread * usual);
+    // A slow mean: dust and a specimen's shadow come slowly, an insect at once.
+    j.after.spread = usual < 0 ? spread : usual + 0.1 * (spread - usual);
+  }
+  if (check_.mode == LightMode::kUncontrolled) return w;
+  if (level.saturated_fraction > kPatchSaturated) {
+    setVerdict(out, w.first_row, w.channels.size(), LightVerdict::kSaturated);
+    // Clipped from the start: there is nothing to judge by, and the run goes on with an alarm.
+    blame(out, LightVerdict::kSaturated, false,
+          "light " + sample.light_state + ": " + w.source + " is saturated (" +
+              percent(level.saturated_fraction).substr(1) + " of its samples)");
+    w.known = false;
+    for (Judged& j : w.channels) j.watched = nullptr;
+  } else if (spread_out) {
+    w.bad = true;
+    setVerdict(out, w.first_row, w.channels.size(), LightVerdict::kCovered);
+    w.covered = true;
+    blame(out, LightVerdict::kCovered, false,
+          "light " + sample.light_state + ": " + w.source + " is partly covered (spread " +
+              percent(spread).substr(1) + ")");
+  }
+  return w;
+}
+
+LightGate::Witness LightGate::judgeLux(const LightSample& sample, const SensorSample& lux,
+                                       GateVerdict& out) {
+  Witness w;
+  w.source = "sensor:" + lux.id;
+  w.first_row = out.rows.size();
+  w.channels.push_back(judgeChannel(sample, w.source, "lx", lux.reading.value, 0, out));
+  Judged& j = w.channels.back();
+  w.known = j.known;
+  w.deviation = j.deviation;
+  w.bad = isBad(j.judgement.verdict);
+  const auto band = bandOf(lux.id);
+  if (!w.bad && band && j.known && check_.mode == LightMode::kControlled &&
+      !(j.judgement.ratio >= (*band)[0] && j.judgement.ratio <= (*band)[1])) {
+    w.bad = true;
+    setVerdict(out, w.first_row, 1, LightVerdict::kHold);
+  }
+  if (lux.reading.saturated && check_.mode == LightMode::kControlled) {
+    setVerdict(out, w.first_row, 1, LightVerdict::kSaturated);
+    w.known = w.bad = false;
+    j.watched = nullptr;
+  }
+  return w;
+}
+
+void LightGate::judgeBand(const LightSample& sample, const SensorSample& sensor,
+                          GateVerdict& out) const {
+  const auto band = bandOf(sensor.id);
+  if (!band) return;
+  db::LightCheckRow r =
+      row(sample, "sensor:" + sensor.id, devices::unit(sensor.quantity), sensor.reading.value);
+  const double value = sensor.reading.value;
+  const bool inside = value >= (*band)[0] && value <= (*band)[1];
+  r.verdict = calibration::name(inside ? LightVerdict::kPass : LightVerdict::kHold);
+  out.rows.push_back(std::move(r));
+  if (inside) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%s %s: %g %s outside %g to %g", devices::name(sensor.quantity),
+                sensor.id.c_str(), value, devices::unit(sensor.quantity), (*band)[0], (*band)[1]);
+  blame(out, LightVerdict::kHold, true, text);
+}
+
+// A patch against the lux sensors. Where they agree that the light changed, it changed.
+void LightGate::compare(std::vector<Witness>& witnesses, const LightSample& sample,
+                        GateVerdict& out) const {
+  const auto is_lux = [](const Witness& w) { return w.source.starts_with("sensor:"); };
+  const auto lux = std::find_if(witnesses.begin(), witnesses.end(),
+                                [&](const Witness& w) { return is_lux(w) && w.known; });
+  bool any_patch_good = false;
+  for (Witness& w : witnesses) {
+    if (is_lux(w)) continue;
+    any_patch_good = any_patch_good || (w.known && !w.bad);
+    if (!w.bad || !w.known) continue;
+    const bool vouched = lux != witnesses.end() && !lux->bad;
+    const bool apart =
+        lux != witnesses.end() && std::abs(w.deviation - lux->deviation) > check_.band;
+    if (vouched && apart && (w.covered || w.deviation < kCoveredBelow - 1)) {
+      // The sensor sees the light that the covered patch cannot: the shot is taken.
+      setVerdict(out, w.first_row, w.channels.size(), LightVerdict::kCovered);
+      w.bad = false;
+      for (Judged& j : w.channels) j.watched = nullptr;
+      blame(out, LightVerdict::kCovered, false,
+            "light " + sample.light_state + ": " + w.source + " is covered (" +
+                percent(w.deviation) + ") while " + lux->source + " says light (" +
+                percent(lux->deviation) + ")");
+    } else if (vouched && apart && !w.covered) {
+      setVerdict(out, w.first_row, w.channels.size(), LightVerdict::kAtOdds);
+      blame(out, LightVerdict::kAtOdds, false,
+            "light " + sample.light_state + ": " + w.source + " (" + percent(w.deviation) +
+                ") is at odds with " + lux->source + " (" + percent(lux->deviation) + ")");
+    }
+  }
+  for (Witness& w : witnesses) {
+    if (!is_lux(w) || !w.bad || !any_patch_good) continue;
+    // The patch is in the picture itself: it is believed, the sensor is named.
+    setVerdict(out, w.first_row, w.channels.size(), LightVerdict::kAtOdds);
+    w.bad = false;
+    for (Judged& j : w.channels) j.watched = nullptr;
+    blame(out, LightVerdict::kAtOdds, false,
+          "light " + sample.light_state + ": " + w.source + " (" + percent(w.deviation) +
+              ") is at odds with the reference patch");
+  }
+}
+
+GateVerdict LightGate::judge(const LightSample& sample) {
+  GateVerdict out;
+  std::vector<Witness> witnesses;
+  for (const SensorSample& s : sample.sensors)
+    if (s.quantity != devices::Quantity::kIlluminance) judgeBand(sample, s, out);
+  if (sample.light_state == "off") return out;
+  for (const PatchSample& p : sample.patches) witnesses.push_back(judgePatch(sample, p, out));
+  for (const SensorSample& s : sample.sensors)
+    if (s.quantity == devices::Quantity::kIlluminance)
+      witnesses.push_back(judgeLux(sample, s, out));
+  if (check_.mode == LightMode::kControlled) compare(witnesses, sample, out);
+
+  for (const Witness& w : witnesses)
+    for (std::size_t c = 0; c < w.channels.size(); ++c) {
+      const db::LightCheckRow& r = out.rows[w.first_row + c];
+      if (w.bad && isBad(parseVerdict(r.verdict)))
+        blame(out, parseVerdict(r.verdict), true,
+              "light " + sample.light_state + ": " + w.source + " " + r.channel + " " +
+                  (w.channels[c].known ? percent(w.channels[c].deviation) : std::string("dark")));
+      out.blocks = out.blocks || w.bad;
+    }
+  if (out.blocks) holdAll(out);
+  for (Witness& w : witnesses)
+    for (Judged& j : w.channels)
+      if (!out.blocks && j.watched) *j.watched = std::move(j.after);
+
+  if (!witnesses.empty() && !out.rows.empty()) {
+    const db::LightCheckRow& r =
+        out.rows[witnesses[0].first_row + (witnesses[0].channels.size() > 1 ? 1 : 0)];
+    char text[96];
+    std::snprintf(text, sizeof text, "%s %.3f %s", sample.light_state.c_str(), r.ratio,
+                  out.reason.empty() ? r.verdict.c_str() : calibration::name(out.worst));
+    out.summary = text;
+    if (out.reason.empty()) out.worst = parseVerdict(r.verdict);
+  }
+  return out;
+}
+
+}  // namespace patina::capture

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whether the light of a shot is the light of the run: calibration judges levels, this decides.
+//
+// The level is judged at every shot, never an edge, so nothing is missed between looks. A shot that
+// blocks changes no series. Two witnesses (patch and lux sensor) that disagree are at odds, and the
+// one that moved is named.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibration/light_statistics.h"
+#include "capture/plan.h"
+#include "db/rows.h"
+#include "devices/rig.h"
+
+namespace patina::capture {
+
+// A reference patch in the picture of one camera's shot.
+struct PatchSample {
+  std::string camera;
+  calibration::PatchLevel level;
+  std::optional<db::RowId> shot_id;
+};
+struct SensorSample {
+  std::string id;
+  devices::Quantity quantity = devices::Quantity::kIlluminance;
+  devices::Reading reading;
+};
+// One exposure under one light state.
+struct LightSample {
+  db::RowId step_id = 0;
+  std::string light_state;
+  int exposure_index = 0;
+  std::vector<PatchSample> patches;
+  std::vector<SensorSample> sensors;
+  UtcTime utc;
+};
+
+struct GateVerdict {
+  bool blocks = false;  // the shot is not taken; wait and try again
+  calibration::LightVerdict worst = calibration::LightVerdict::kPass;
+  std::string reason;   // "light key: patch:cam0 g -5.1 %"; empty when nothing is wrong
+  std::string summary;  // "key 0.998 pass"
+  std::vector<db::LightCheckRow> rows;
+};
+
+class LightGate {
+ public:
+  LightGate(const LightCheck& check, const std::vector<devices::SensorSpec>& sensors,
+            std::string run_id);
+
+  // The series as the rows of an earlier process left them; in order of time, the last few of
+  // each series are enough.
+  void restore(std::span<const db::LightCheckRow> rows);
+  // Lamps off: exempt, no rows; a sensor with an absolute band still counts.
+  GateVerdict judge(const LightSample& sample);
+
+ private:
+  struct Key {
+    std::string light_state, source, channel;
+    int exposure_index = 0;
+    auto operator<=>(const Key&) const = default;
+  };
+  struct Watched {
+    calibration::LightSeries series;
+    double spread = -1;  // of the patch while all was well; below 0: not known yet
+  };
+  struct Judged {  // one channel, before it is known whether the shot blocks
+    Watched* watched = nullptr;
+    Watched after;
+    calibration::LightJudgement judgement;
+    double deviation = 0;  // of the level from the forecast
+    bool known = false;    // there was a baseline to deviate from
+  };
+  struct Witness {  // one patch or one lux sensor
+    std::string source;
+    std::vector<Judged> channels;
+    std::size_t first_row = 0;
+    double deviation = 0;  // of the worst channel
+    bool known = false, bad = false, covered = false;
+  };
+
+  Witness judgePatch(const LightSample& sample, const PatchSample& patch, GateVerdict& out);
+  Witness judgeLux(const LightSample& sample, const SensorSample& lux, GateVerdict& out);
+  void judgeBand(const LightSample& sample, const SensorSample& sensor, GateVerdict& out) const;
+  Judged judgeChannel(const LightSample& sample, const std::string& source,
+                      const std::string& channel, double level, double noise, GateVerdict& out);
+  void compare(std::vector<Witness>& witnesses, const LightSample& sample, GateVerdict& out) const;
+  db::LightCheckRow row(const LightSample& sample, const std::string& source,
+                        const std::string& channel, double level) const;
+  std::optional<std::array<double, 2>> bandOf(const std::string& sensor) const;
+
+  LightCheck check_;
+  calibration::LightModelOptions options_;
+  std::map<std::string, std::array<double, 2>> bands_;  // by sensor
+  std::string run_id_;
+  std::map<Key, Watched> series_;
+};
+
+}  // namespace patina::capture

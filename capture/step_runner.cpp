@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/step_runner.h"
+
+#include <algorithm>
+
+namespace patina::capture {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::optional<RectPx> patchOf(const devices::RigSpec& spec, const std::string& camera) {
+  for (const auto& patch : spec.patches)
+    if (patch.camera == camera) return patch.rect_px;
+  return std::nullopt;
+}
+
+// A step has room for a million attempts, so that a restart goes on above what was used.
+std::uint64_t firstSequence(std::int64_t number) {
+  return static_cast<std::uint64_t>(number) << 20;
+}
+
+}  // namespace
+
+StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive,
+                       devices::Clock& clock, const std::string& run_id, const SessionHooks& hooks)
+    : plan_(plan),
+      rig_(rig),
+      archive_(archive),
+      clock_(clock),
+      run_id_(run_id),
+      hooks_(hooks),
+      lamps_(rig, clock),
+      gate_(plan.light_check, rig.spec.sensors, run_id),
+      alerts_([this](UtcTime, const std::string& detail) { event("alarm", detail); }) {
+  for (const auto& camera : rig.cameras)
+    units_.push_back(std::make_unique<CameraUnit>(*camera, patchOf(rig.spec, camera->caps().id)));
+  shots_due_ = shotsAStep(plan, rig.spec);
+}
+
+std::int64_t StepRunner::bytesAStep() const {
+  std::int64_t bytes = 0;
+  for (const auto& unit : units_) bytes = std::max(bytes, unit->caps().bytes_a_shot);
+  return bytes * shots_due_;
+}
+
+void StepRunner::event(const std::string& kind, const std::string& detail) {
+  db::EventRow row;
+  row.run_id = run_id_;
+  row.utc = clock_.utc();
+  row.kind = kind;
+  row.detail = detail;
+  archive_.addEvent(row);
+}
+
+void StepRunner::start(std::int64_t next_number) {
+  sequence_ = firstSequence(next_number);
+  for (const devices::Error& error : lamps_.start()) event("recover", error.what);
+  for (const auto& sensor : rig_.sensors)
+    if (auto up = sensor->recover(); !up) event("recover", up.error().what);
+}
+
+void StepRunner::end() { lamps_.allOff(); }
+
+void StepRunner::keepAwake() {
+  for (const auto& unit : units_)
+    if (!unit->ladder().troubled()) static_cast<void>(unit->camera().poll());
+}
+
+std::vector<StepRunner::Group> StepRunner::groups() {
+  std::vector<Group> out;
+  int first_index = 0;  // two sweeps never share an exposure index
+  for (const Sweep& sweep : plan_.sweeps) {
+    const auto cameras = camerasOf(sweep, rig_.spec);
+    for (const auto& lights : sweep.lights)
+      for (std::size_t e = 0; e < sweep.exposures.size(); ++e) {
+        Group g;
+        g.lights = &lights;
+        g.state = devices::lightStateName(lights);
+        g.exposure = sweep.exposures[e];
+        g.exposure_index = first_index + static_cast<int>(e);
+        for (const auto& unit : units_)
+          if (std::find(cameras.begin(), cameras.end(), unit->id()) != cameras.end())
+            g.todo.push_back(unit.get());
+        out.push_back(std::move(g));
+      }
+    first_index += static_cast<int>(sweep.exposures.size());
+  }
+  return out;
+}
+
+void StepRunner::readSensors() {
+  for (const auto& sensor : rig_.sensors) {
+    const auto& caps = sensor->caps();
+    db::ReadingRow row;
+    row.run_id = run_id_;
+    row.step_id = now_.step->id;
+    row.device_id = caps.id;
+    row.quantity = devices::name(caps.quantity);
+    row.unit = devices::unit(caps.quantity);
+    row.utc = clock_.utc();
+    const auto reading = sensor->read();
+    if (reading) {
+      row.value = reading->value;
+      row.utc = reading->utc;
+      row.quality = reading->saturated ? "saturated" : "ok";
+      alerts_.clear("sensor " + caps.id, clock_.utc());
+    } else {
+      row.quality = "silent";
+      alerts_.raise("sensor " + caps.id, reading.error().what, clock_.utc());
+      static_cast<void>(sensor->recover());
+    }
+    archive_.addReading(row);
+  }
+}
+
+std::vector<SensorSample> StepRunner::sensorSamples(bool lux) {
+  std::vector<SensorSample> out;
+  for (const auto& sensor : rig_.sensors) {
+    const auto& caps = sensor->caps();
+    if ((caps.quantity == devices::Quantity::kIlluminance) != lux) continue;
+    if (const auto reading = sensor->read()) out.push_back({caps.id, caps.quantity, *reading});
+  }
+  return out;
+}
+
+// Temperature, humidity: before a shutter is worn on a shot that would not be taken.
+bool StepRunner::ambientIsFine() {
+  LightSample sample;
+  sample.step_id = now_.step->id;
+  sample.light_state = "off";
+  sample.sensors = sensorSamples(false);
+  sample.utc = clock_.utc();
+  if (sample.sensors.empty()) return true;
+  const GateVerdict verdict = gate_.judge(sample);
+  if (!verdict.rows.empty()) archive_.addLightChecks(verdict.rows);
+  log_.checks(verdict.rows);
+  if (!verdict.blocks) {
+    alerts_.clear("surroundings", clock_.utc());
+    return true;
+  }
+  now_.light_trouble = verdict.reason;
+  alerts_.raise("surroundings", verdict.reason, clock_.utc());
+  return false;
+}
+
+bool StepRunner::timeFor(const Group& group) const {
+  Nanoseconds needed{0};
+  for (const CameraUnit* unit : group.todo)
+    needed = std::max(needed, unit->shotTime(group.exposure));
+  return clock_.mono() + needed <= now_.slot_end;
+}
+
+void StepRunner::dropCamerasThatAreDown(Group& group) {
+  std::erase_if(group.todo, [&](CameraUnit* unit) {
+    if (!unit->ladder().down()) return false;
+    now_.device_trouble = unit->id() + ": " + unit->ladder().lastError();
+    return true;
+  });
+}
+
+// Until every camera has its picture, the light turns out bad, or the cameras or the slot give out.
+void StepRunner::tryGroup(Group& group) {
+  group.held = false;
+  while (!group.todo.empty()) {
+    if (!shoot(group)) {
+      group.held = true;
+      return;
+    }
+    dropCamerasThatAreDown(group);
+    if (group.todo.empty() || hooks_.stop.stop_requested()) return;
+    if (!timeFor(group)) {
+      group.todo.clear();  // what is missing has its reason in device_trouble
+      return;
+    }
+  }
+}
+
+bool StepRunner::waitForLight() {
+  if (!now_.held_since) now_.held_since = clock_.mono();
+  const MonoTime until = std::min(now_.slot_end, *now_.held_since + plan_.light_check.max_hold);
+  // The longer the light has been away, the fewer shutters are worn on asking.
+  const int patience = std::min(held_steps_, 3);
+  const Nanoseconds poll =
+      std::clamp<Nanoseconds>(plan_.interval / 20, 50ms, 30s) * (1 << patience);
+  const MonoTime due = clock_.mono() + poll;
+  if (due >= until) return false;
+  lamps_.rest();
+  return clock_.sleepUntil(due, hooks_.stop) == devices::Wake::kDue;
+}
+
+void StepRunner::run(db::StepRow& step, MonoTime slot_end) {
+  now_ = Progress{};
+  now_.step = &step;
+  now_.slot_end = slot_end;
+  if (step.number) sequence_ = std::max(sequence_, firstSequence(*step.number + 1));
+  for (const auto& unit : units_) unit->newStep();
+  readSensors();
+  auto pending = groups();
+  bool fine = ambientIsFine();
+  while (!hooks_.stop.stop_requested()) {
+    if (fine) {
+      for (Group& group : pending) {
+        if (hooks_.stop.stop_requested()) break;
+        if (!group.held || timeFor(group)) tryGroup(group);
+      }
+      std::erase_if(pending, [](const Group& g) { return g.todo.empty(); });
+      if (pending.empty()) break;
+    }
+    if (!waitForLight()) break;
+    fine = ambientIsFine();
+  }
+  lamps_.rest();
+  if (now_.held_since) step.held = clock_.mono() - *now_.held_since;
+  decide();
+}
+
+void StepRunner::decide() {
+  db::StepRow& step = *now_.step;
+  if (now_.first_shot) step.spread = *now_.last_shot - *now_.first_shot;
+  if (step.shots_captured == step.shots_due) {
+    step.decision = db::Decision::kCaptured;
+    if (now_.held_since) step.reason = now_.light_trouble;
+  } else if (hooks_.stop.stop_requested()) {
+    step.decision = db::Decision::kMissed;
+    step.reason = "stopped by the operator";
+  } else if (!now_.device_trouble.empty()) {
+    step.decision = db::Decision::kFailed;
+    step.reason = now_.device_trouble;
+  } else {
+    step.decision = db::Decision::kHeld;
+    step.reason = now_.light_trouble;
+  }
+  held_steps_ = step.decision == db::Decision::kHeld ? held_steps_ + 1 : 0;
+}
+
+void StepRunner::settle() {
+  while (!in_flight_.empty()) {
+    db::ShotRow shot = in_flight_.back();
+    shot.state = db::ShotState::kFailed;
+    archive_.failShot(shot, "disk full");
+    in_flight_.pop_back();
+  }
+}
+
+}  // namespace patina::capture

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One step: the whole sweep, with its light verdicts, retries and holds, within its slot.
+//
+// A light state that is bad does not stop the others: they are shot first, then the bad one is
+// tried again until the light is back or the slot ends. Single-threaded; devices are called in the
+// order of the rig, the shutters of one group together.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capture/alerts.h"
+#include "capture/camera_unit.h"
+#include "capture/event_log.h"
+#include "capture/lamps.h"
+#include "capture/light_gate.h"
+#include "capture/plan.h"
+#include "capture/session.h"
+#include "db/archive.h"
+#include "devices/clock.h"
+#include "devices/rig.h"
+
+namespace patina::capture {
+
+class StepRunner {
+ public:
+  StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive, devices::Clock& clock,
+             const std::string& run_id, const SessionHooks& hooks);
+
+  LightGate& gate() { return gate_; }
+  EventLog& log() { return log_; }
+  Alerts& alerts() { return alerts_; }
+  const std::string& lightSummary() const { return light_summary_; }
+  int shotsDue() const { return shots_due_; }
+  std::int64_t bytesAStep() const;  // estimate
+
+  void start(std::int64_t next_number);
+  void end();        // lamps off
+  void keepAwake();  // between steps: drains events, so that no camera falls asleep
+
+  // Shoots the step and fills in its decision. The caller has begun its row and finishes it.
+  // DiskFull: some shots may be taken; settle() later.
+  void run(db::StepRow& step, MonoTime slot_end);
+  // After DiskFull: what was in flight becomes failed rows, when there is room again.
+  void settle();
+  void event(const std::string& kind, const std::string& detail);
+
+ private:
+  struct Group {  // one light state and exposure, with the cameras that still owe a picture
+    const std::vector<std::string>* lights = nullptr;
+    std::string state;
+    devices::Exposure exposure;
+    int exposure_index = 0;
+    std::vector<CameraUnit*> todo;
+    int attempt = 0;
+    bool held = false;
+  };
+  struct Attempt {  // one camera's part in one attempt of a group
+    CameraUnit* unit = nullptr;
+    db::ShotRow shot;
+    devices::Ticket ticket;
+    std::vector<devices::RawFrame> frames;
+    ShotCheck check;
+    bool good = false;
+  };
+  struct Progress {  // of the step being shot
+    db::StepRow* step = nullptr;
+    MonoTime slot_end;
+    std::optional<MonoTime> held_since, first_shot, last_shot;
+    std::string device_trouble, light_trouble;
+  };
+
+  std::vector<Group> groups();
+  void readSensors();
+  bool ambientIsFine();
+  void tryGroup(Group& group);
+  bool shoot(Group& group);  // false: the light was bad
+  devices::Result<void> light(const Group& group);
+  std::vector<Attempt> arm(Group& group);
+  void expose(std::vector<Attempt>& attempts);
+  void inspect(Attempt& attempt, const Group& group);
+  GateVerdict judge(const Group& group, const std::vector<Attempt>& attempts);
+  void accept(Attempt& attempt, Group& group, std::span<const db::LightCheckRow> checks);
+  void fail(Attempt& attempt, const devices::Error& error);
+  void reject(std::vector<Attempt>& attempts, const GateVerdict& verdict);
+  void dropCamerasThatAreDown(Group& group);
+  bool timeFor(const Group& group) const;
+  bool waitForLight();
+  void decide();
+  std::vector<SensorSample> sensorSamples(bool lux);
+
+  const Plan& plan_;
+  devices::Rig& rig_;
+  db::Archive& archive_;
+  devices::Clock& clock_;
+  std::string run_id_;
+  const SessionHooks& hooks_;
+  std::vector<std::unique_ptr<CameraUnit>> units_;
+  Lamps lamps_;
+  LightGate gate_;
+  Alerts alerts_;
+  EventLog log_;
+  std::string light_summary_;
+  int shots_due_ = 0;
+  int held_steps_ = 0;  // in a row: the wait between tries grows with them
+  std::vector<db::ShotRow> in_flight_;
+  std::uint64_t sequence_ = 0;  // of attempts; rises over restarts too
+  Progress now_;
+};
+
+}  // namespace patina::capture
