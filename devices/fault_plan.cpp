@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "devices/config_file.h"
+#include "devices/config_guard.h"
+#include "devices/rig.h"
 
 namespace patina::devices {
 namespace {
@@ -38,9 +41,9 @@ Fault takeFault(ConfigTable& table) {
   fault.at = table.takeDuration("at", Nanoseconds{0}, kFaultForEver);
   fault.device = table.takeId("device");
   fault.kind = parseFaultKind(table.takeChoice("kind", kindNames()));
-  const bool changes_level =
-      fault.kind == FaultKind::kLampDrift || fault.kind == FaultKind::kLampStep;
-  const bool of_lamp = changes_level || fault.kind == FaultKind::kLampDead;
+  fault.line = table.line();
+  const bool of_lamp = isLampFault(fault.kind),
+             changes_level = of_lamp && fault.kind != FaultKind::kLampDead;
   fault.duration =
       of_lamp ? table.takeDuration("duration", Nanoseconds{1}, kFaultForEver, kFaultForEver)
               : table.takeDuration("duration", Nanoseconds{0}, kFaultForEver, Nanoseconds{0});
@@ -58,6 +61,7 @@ FaultPlan readFaults(const std::filesystem::path& file) {
 FaultPlan parseFaults(const std::string& toml, const std::filesystem::path& source) {
   ConfigTable table = ConfigFile::parse(toml, source);
   FaultPlan plan;
+  plan.source = source;
   plan.seed = static_cast<std::uint64_t>(table.takeInteger("seed", 0, INT64_MAX, 1));
   for (ConfigTable& fault : table.takeTables("fault")) plan.faults.push_back(takeFault(fault));
   table.finish();
@@ -76,6 +80,41 @@ const char* name(FaultKind kind) {
     if (kind == known.kind) return known.name;
   }
   return "unknown";
+}
+
+bool isLampFault(FaultKind kind) {
+  return kind == FaultKind::kLampDead || kind == FaultKind::kLampDrift ||
+         kind == FaultKind::kLampStep;
+}
+
+void checkAgainst(const FaultPlan& plan, const RigSpec& rig) {
+  enum class Device { kCamera, kLight, kSensor };
+  std::map<std::string, Device> devices;
+  for (const CameraSpec& camera : rig.cameras) devices.emplace(camera.id, Device::kCamera);
+  for (const LightSpec& light : rig.lights) devices.emplace(light.id, Device::kLight);
+  for (const SensorSpec& sensor : rig.sensors) devices.emplace(sensor.id, Device::kSensor);
+  std::vector<std::string> ids;
+  for (const auto& [id, device] : devices) ids.push_back(id);
+
+  for (const Fault& fault : plan.faults) {
+    const auto found = devices.find(fault.device);
+    if (found == devices.end()) {
+      const std::string nearest = nearestWord(fault.device, ids);
+      throw ConfigError(plan.source, fault.line, "fault.device",
+                        '"' + quoteForMessage(fault.device) +
+                            "\" is no camera, light or sensor of the rig" +
+                            (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+    }
+    const bool of_any = fault.kind == FaultKind::kHang || fault.kind == FaultKind::kBusy ||
+                        fault.kind == FaultKind::kLost;
+    const Device owner = isLampFault(fault.kind)                  ? Device::kLight
+                         : fault.kind == FaultKind::kSensorSilent ? Device::kSensor
+                                                                  : Device::kCamera;
+    if (!of_any && found->second != owner) {
+      throw ConfigError(plan.source, fault.line, "fault.kind",
+                        std::string(name(fault.kind)) + " cannot happen to '" + fault.device + "'");
+    }
+  }
 }
 
 }  // namespace patina::devices

@@ -40,17 +40,25 @@ struct Fault {
   FaultKind kind = FaultKind::kHang;
   Nanoseconds duration{};  // zero: one call, the first at or after `at`
   double amount = 0;       // kLampDrift: share a day; kLampStep: factor - 1; others unused
+  int line = 0;            // of the faults file, for messages
 };
 
 struct FaultPlan {
   std::uint64_t seed = 1;
   std::vector<Fault> faults;
+  std::filesystem::path source;
 };
+
+struct RigSpec;
 
 // seed=1 and [[fault]] at="3d2h" device="cam0" kind="hang" [duration="40s"] [amount=-0.05]
 FaultPlan readFaults(const std::filesystem::path& file);  // throws ConfigError
 FaultPlan parseFaults(const std::string& toml, const std::filesystem::path& source);
 FaultKind parseFaultKind(const std::string& name);  // "hang" "partial_file" "lamp_dead" ...
 const char* name(FaultKind kind);
+bool isLampFault(FaultKind kind);
+// A fault of a device that the rig has not, or of a kind that device cannot have: a ConfigError on
+// the fault's line.
+void checkAgainst(const FaultPlan& plan, const RigSpec& rig);
 
 }  // namespace patina::devices
