@@ -41,7 +41,7 @@ std::optional<Bytes> shrinkPicture(const Bytes& file) {
     if (format == PictureFormat::kDng) {
       RawMosaic raw = decodeRaw(file);
       if (std::min(raw.samples.width(), raw.samples.height()) < 4) return std::nullopt;
-      raw.samples = copyOf(std::as_const(raw.samples).view().crop(middleOf(raw.samples.size())));
+      raw.samples = copyOf<std::uint16_t>(raw.samples.view().crop(middleOf(raw.samples.size())));
       return encodeDng(raw);
     }
     if (format != PictureFormat::kJpeg && format != PictureFormat::kPng) return std::nullopt;
