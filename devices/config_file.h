@@ -31,7 +31,7 @@ class ConfigError : public Failure {
 // Refused before parsing, since nesting beyond these crashes the parser.
 constexpr std::size_t kConfigBytesMax = 64 * 1024;
 constexpr int kConfigDotsALineMax = 100;
-constexpr int kConfigBracketsMax = 16;  // arrays and inline tables within each other
+constexpr std::size_t kConfigBracketsMax = 16;  // arrays and inline tables within each other
 
 // One table of a parsed file. Every take* marks its key as known; finish() throws for the first key
 // nobody took, naming the nearest known one and all of them. Missing key without fallback: an error

@@ -2,8 +2,9 @@
 #include "devices/config_guard.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <cctype>
 #include <numeric>
+#include <utility>
 
 #include "devices/config_file.h"
 
@@ -33,11 +34,11 @@ std::size_t utf8Length(std::string_view text, std::size_t at) {
   return 0;
 }
 
-// Follows strings and comments just far enough to count the brackets outside them.
-class BracketCounter {
+// Follows strings and comments just far enough to know what stands outside of them.
+class Lexer {
  public:
-  // Returns how many characters were consumed.
-  std::size_t step(std::string_view rest) {
+  // Returns how many characters were consumed; `problem` is left alone when there is none.
+  std::size_t step(std::string_view rest, const char*& problem) {
     const char c = rest[0];
     if (quote_ != 0) return stepInString(rest);
     if (comment_) {
@@ -49,13 +50,17 @@ class BracketCounter {
       triple_ = rest.size() >= 3 && rest[1] == c && rest[2] == c;
       return triple_ ? 3 : 1;
     } else if (c == '[' || c == '{') {
-      ++depth_;
+      open_ += c == '[' ? ']' : '}';
+      if (open_.size() > kConfigBracketsMax) problem = "nests brackets deeper than 16";
     } else if (c == ']' || c == '}') {
-      depth_ = std::max(0, depth_ - 1);
+      if (!open_.ends_with(c)) problem = "closes a bracket that is not open";
+      if (!open_.empty()) open_.pop_back();
+    } else if (static_cast<unsigned char>(c) >= 0x80) {
+      problem = "has a letter outside of quotes that is none of A-Z a-z";
     }
     return 1;
   }
-  int depth() const { return depth_; }
+  bool betweenLines() const { return open_.empty() && quote_ == 0 && !comment_; }
 
  private:
   std::size_t stepInString(std::string_view rest) {
@@ -72,10 +77,24 @@ class BracketCounter {
     return 1;
   }
 
-  int depth_ = 0;
+  std::string open_;  // the closing brackets to come
   char quote_ = 0;
   bool triple_ = false, comment_ = false;
 };
+
+// "[x" "[[x" 'a = 1', but no "[=" or "[.": the parser's own assertion fails on those.
+bool startsWell(std::string_view line) {
+  const auto skip = [&](std::string_view what, std::size_t most) {
+    const std::size_t end = std::min(line.find_first_not_of(what), line.size());
+    line.remove_prefix(std::min(end, most));
+  };
+  skip(" \t", line.size());
+  if (!line.starts_with('[')) return true;
+  skip("[", 2);
+  skip(" \t", line.size());
+  const auto c = static_cast<unsigned char>(line.empty() ? 0 : line[0]);
+  return (c < 0x80 && std::isalnum(c)) || c == '_' || c == '-' || c == '"' || c == '\'';
+}
 
 }  // namespace
 
@@ -94,14 +113,19 @@ void guardConfigText(std::string_view toml, const std::filesystem::path& source)
     if (toml[at] == '\n') ++line, dots = 0;
     at += length;
   }
-  BracketCounter brackets;
+  Lexer lexer;
   line = 1;
-  for (std::size_t at = 0; at < toml.size();) {
-    if (toml[at] == '\n') ++line;
-    at += brackets.step(toml.substr(at));
-    if (brackets.depth() > kConfigBracketsMax) {
-      throw ConfigError(source, line, "", "nests brackets deeper than 16");
+  const std::size_t start = toml.starts_with("\xef\xbb\xbf") ? 3 : 0;  // byte order mark
+  for (std::size_t at = start; at < toml.size();) {
+    const char* problem = nullptr;
+    const bool begins = at == start || toml[at - 1] == '\n';
+    if (begins && lexer.betweenLines() && !startsWell(toml.substr(at))) {
+      problem = "is a table header without a name, as [camera]";
     }
+    const bool ends = toml[at] == '\n';
+    at += lexer.step(toml.substr(at), problem);
+    if (problem) throw ConfigError(source, line, "", problem);
+    if (ends) ++line;
   }
 }
 

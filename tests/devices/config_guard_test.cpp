@@ -39,6 +39,15 @@ TEST(ConfigGuard, RefusesTheLineThatIsTooDeepAndNamesIt) {
   EXPECT_EQ(errorOf("# " + repeated("[", 99) + "\n"), "");
 }
 
+TEST(ConfigGuard, ATableHeaderWithoutANameIsNamedWithItsLine) {
+  for (const char* header : {"[=", "[.a]", "[[[a]]]", "[[\t=", "[\xc3\xa9]", "["}) {
+    EXPECT_THAT(errorOf("a = 1\n " + std::string(header) + "\n"),
+                HasSubstr("plan.toml:2: is a table header without a name"))
+        << header;
+  }
+  EXPECT_THAT(errorOf("a = [\n[\n1],\n[]]\n[ b ]\n[\"c\"]\n"), HasSubstr("a: is no known key"));
+}
+
 TEST(ConfigGuard, RefusesMoreThan64KiBAndTakes64KiB) {
   const std::string comment = "#" + std::string(kConfigBytesMax - 2, 'x') + "\n";
   EXPECT_EQ(errorOf(comment), "");
@@ -74,6 +83,20 @@ TEST(ConfigGuard, RefusesNulBytesAndWhatIsNotUtf8) {
                 HasSubstr("plan.toml:2: is not UTF-8"));
   }
   EXPECT_EQ(errorOf("# caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8d\x8c\n"), "");
+}
+
+TEST(ConfigGuard, LettersBeyondAsciiBelongInQuotesAndComments) {
+  EXPECT_THAT(errorOf("a = 1\ncaf\xc3\xa9 = 2\n"), HasSubstr("plan.toml:2: has a letter outside"));
+  EXPECT_EQ(errorOf("\xef\xbb\xbf# caf\xc3\xa9 \xe2\x82\xac\n"), "");
+  ConfigTable table = ConfigFile::parse(
+      "a = \"caf\xc3\xa9\" # \xc3\xa9\nb = \"\"\"x \\\n  \xc3\xa9\"\"\"\n", "plan.toml");
+  EXPECT_EQ(table.takeString("a"), "caf\xc3\xa9");
+  EXPECT_EQ(table.takeString("b"), "x \xc3\xa9");
+}
+
+TEST(ConfigGuard, RefusesAClosingBracketThatClosesNothing) {
+  EXPECT_THAT(errorOf("a = 1\nb = [}\n"), HasSubstr("plan.toml:2: closes a bracket"));
+  EXPECT_THAT(errorOf("a = 1 ]\n"), HasSubstr("plan.toml:1: closes a bracket"));
 }
 
 TEST(ConfigGuard, AnyBytesAtAllEndInAConfigErrorOrATable) {
