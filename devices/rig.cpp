@@ -138,7 +138,8 @@ PatchSpec takePatch(ConfigTable& table, const RigSpec& rig) {
   }
   patch.rect_px = takeRect(table, "rect_px");
   const RectPx& r = patch.rect_px;
-  const bool twin_sized = rig.twin && camera->backend == "twin" && !camera->settings.count("size");
+  const bool own_size = camera->settings.count("width") || camera->settings.count("height");
+  const bool twin_sized = rig.twin && camera->backend == "twin" && !own_size;
   const SizePx size = twin_sized ? rig.twin->size : SizePx{kSideMaxPx, kSideMaxPx};
   if (r.x + r.width > size.width || r.y + r.height > size.height) {
     table.reject("rect_px", "reaches beyond the picture (" + std::to_string(size.width) + "x" +
