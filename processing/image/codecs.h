@@ -24,6 +24,9 @@ Samples decodeJpeg(std::span<const std::byte> file, const PictureHeader& header)
 PictureHeader readPngHeader(std::span<const std::byte> file, const PictureLimits& limits);
 Samples decodePng(std::span<const std::byte> file, const PictureHeader& header);
 
+// For TIFF and what is built on it (DNG, most raw files): refuses a directory whose values lie
+// beyond the end of the file.
+void checkTiffValues(std::span<const std::byte> file);
 PictureHeader readTiffHeader(std::span<const std::byte> file, const PictureLimits& limits);
 Samples decodeTiff(std::span<const std::byte> file, const PictureHeader& header);
 

@@ -37,12 +37,13 @@ ExifTime exifTime(UtcTime t) {
 }
 
 void check(const RawMosaic& raw) {
-  const bool good = !raw.samples.empty() && raw.samples.channels() == 1 && raw.white_level >= 1 &&
-                    raw.white_level <= 65535 && raw.black_level >= 0 &&
-                    raw.black_level < raw.white_level &&
-                    (!raw.exposure || raw.exposure->count() > 0) &&
-                    (!raw.iso || (raw.iso->value >= 1 && raw.iso->value <= 65535)) &&
-                    *std::max_element(raw.cfa.begin(), raw.cfa.end()) <= 2;
+  const bool good =
+      !raw.samples.empty() && raw.samples.channels() == 1 && raw.white_level >= 1 &&
+      raw.white_level <= 65535 && raw.black_level >= 0 && raw.black_level < raw.white_level &&
+      (!raw.exposure || raw.exposure->count() > 0) &&
+      (!raw.f_number || (raw.f_number->value >= 0.1 && raw.f_number->value <= 10'000)) &&
+      (!raw.iso || (raw.iso->value >= 1 && raw.iso->value <= 65535)) &&
+      *std::max_element(raw.cfa.begin(), raw.cfa.end()) <= 2;
   if (!good)
     throw ProcessingError(
         Exit::kUsage,
@@ -80,11 +81,11 @@ std::optional<double> rationalAt(std::span<const std::byte> file, std::uint64_t 
   return static_cast<double>(parts[0]) / static_cast<double>(parts[1]);
 }
 
-// The exposure as nanoseconds over 10^9, coarser where 32 bits do not hold them (above 4.29 s).
-void writeExposure(Bytes& file, std::uint64_t ifd, Nanoseconds exposure) {
-  const auto at = findRational(file, ifd, EXIFTAG_EXPOSURETIME);
+// top / bottom, coarser where 32 bits do not hold it (nanoseconds above 4.29 s).
+void writeRational(Bytes& file, std::uint64_t ifd, std::uint16_t tag, std::int64_t top,
+                   std::int64_t bottom) {
+  const auto at = findRational(file, ifd, tag);
   PATINA_CHECK(at.has_value());
-  std::int64_t top = exposure.count(), bottom = 1'000'000'000;
   const std::int64_t common = std::gcd(top, bottom);
   top /= common;
   bottom /= common;
@@ -94,7 +95,9 @@ void writeExposure(Bytes& file, std::uint64_t ifd, Nanoseconds exposure) {
   std::memcpy(file.data() + *at, parts, 8);
 }
 
+// Offset of the EXIF directory; 0 when there is nothing to say.
 std::uint64_t writeExif(TIFF* tiff, const RawMosaic& raw) {
+  if (!raw.exposure && !raw.f_number && !raw.iso && !raw.taken_utc) return 0;
   TIFFCreateEXIFDirectory(tiff);
   if (raw.exposure) TIFFSetField(tiff, EXIFTAG_EXPOSURETIME, toSeconds(*raw.exposure));
   if (raw.f_number) TIFFSetField(tiff, EXIFTAG_FNUMBER, raw.f_number->value);
@@ -185,14 +188,17 @@ Bytes encodeDng(const RawMosaic& raw) {
   TIFFCreateDirectory(tiff);
   describeSamples(tiff, raw);
   describeCamera(tiff, raw);
-  TIFFSetField(tiff, TIFFTAG_EXIFIFD, exif);
+  if (exif != 0) TIFFSetField(tiff, TIFFTAG_EXIFIFD, exif);
   const auto& samples = raw.samples.texels();
   const bool good = TIFFWriteEncodedStrip(tiff, 0, const_cast<std::uint16_t*>(samples.data()),
                                           static_cast<tmsize_t>(samples.size() * 2)) >= 0 &&
                     TIFFWriteDirectory(tiff) == 1;
   if (!good) throw ProcessingError(Exit::kCannotCreate, "DNG: " + file.lastError());
   Bytes out = file.finish();
-  if (raw.exposure) writeExposure(out, exif, *raw.exposure);
+  if (raw.exposure)
+    writeRational(out, exif, EXIFTAG_EXPOSURETIME, raw.exposure->count(), 1'000'000'000);
+  if (raw.f_number)
+    writeRational(out, exif, EXIFTAG_FNUMBER, std::llround(raw.f_number->value * 10'000), 10'000);
   return out;
 }
 

@@ -76,9 +76,32 @@ std::size_t skipEntropy(std::span<const std::byte> file, std::size_t at) {
   return file.size();
 }
 
+// Values of the first directory that do not fit into their entry lie elsewhere: inside the file?
+bool tiffValuesInside(std::span<const std::byte> file) {
+  static constexpr std::array<std::uint8_t, 13> kBytesOfType{0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8};
+  const Reader in(file, startsWith(file, "MM"));
+  if (!in.has(0, 8) || !in.has(in.u32(4), 2)) return false;
+  const std::uint64_t directory = in.u32(4);
+  const std::uint32_t n = in.u16(directory);
+  if (!in.has(directory + 2, 12ull * n + 4)) return false;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint64_t entry = directory + 2 + 12ull * i;
+    const std::uint32_t type = in.u16(entry + 2);
+    if (type >= kBytesOfType.size()) continue;
+    const std::uint64_t bytes = std::uint64_t{in.u32(entry + 4)} * kBytesOfType[type];
+    if (bytes > 4 && !in.has(in.u32(entry + 8), bytes)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 namespace codecs {
+
+void checkTiffValues(std::span<const std::byte> file) {
+  if (!tiffValuesInside(file))
+    refuse("the file is truncated: values of its directory lie beyond its end; copy it again");
+}
 
 void refuse(const std::string& why) { throw ProcessingError(Exit::kBadData, why); }
 

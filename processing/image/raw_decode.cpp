@@ -104,6 +104,7 @@ RawMosaic decodeRawByLibRaw(std::span<const std::byte> file, const PictureLimits
 }
 
 RawMosaic decodeRaw(std::span<const std::byte> file, const PictureLimits& limits) {
+  if (sniffFormat(file) == PictureFormat::kDng) codecs::checkTiffValues(file);
   if (auto own = decodeOwnDng(file, limits)) return std::move(*own);
   return decodeRawByLibRaw(file, limits);
 }

@@ -110,6 +110,7 @@ PictureHeader headerOf(const MemoryTiff& tiff, const Layout& l) {
 }  // namespace
 
 PictureHeader readTiffHeader(std::span<const std::byte> file, const PictureLimits& limits) {
+  checkTiffValues(file);
   const MemoryTiff tiff = MemoryTiff::reading(file);
   const PictureHeader header = headerOf(tiff, layoutOf(tiff));
   checkClaim(header, limits);

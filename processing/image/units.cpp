@@ -43,9 +43,9 @@ std::string quoted(std::string_view text) {
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-// Non-negative decimal: mantissa / 10^decimals. At most 18 digits, so that products fit in Wide.
+// Non-negative decimal: mantissa / 10^decimals. At most 20 digits, so that products fit in Wide.
 struct Decimal {
-  std::int64_t mantissa = 0;
+  Wide mantissa = 0;
   int decimals = 0;
 };
 
@@ -61,7 +61,7 @@ std::optional<Decimal> takeDecimal(std::string_view& rest) {
       continue;
     }
     if (!isDigit(rest[i])) break;
-    if (++digits > 18) return std::nullopt;
+    if (++digits > 20) return std::nullopt;
     value.mantissa = value.mantissa * 10 + (rest[i] - '0');
     value.decimals += point ? 1 : 0;
   }
@@ -133,7 +133,7 @@ Nanoseconds parseDuration(std::string_view text) {
     if (*unit < smallest_allowed)
       refuse("duration", text, "each unit at most once and the largest first, as in 1h30min");
     smallest_allowed = *unit + 1;
-    const Wide scaled = static_cast<Wide>(value->mantissa) * kUnits[*unit].ns;
+    const Wide scaled = value->mantissa * kUnits[*unit].ns;
     if (scaled % powerOfTen(value->decimals) != 0)
       refuse("duration", text, "is finer than one nanosecond");
     total += scaled / powerOfTen(value->decimals);
@@ -238,7 +238,7 @@ std::uint64_t parseBytes(std::string_view text) {
   if (!rest.empty() && rest[0] == ' ') rest.remove_prefix(1);
   for (const auto& [name, factor] : kSizes) {
     if (rest != name) continue;
-    const Wide bytes = static_cast<Wide>(value->mantissa) * factor / powerOfTen(value->decimals);
+    const Wide bytes = value->mantissa * factor / powerOfTen(value->decimals);
     if (bytes > kNsMax) refuse("size in bytes", text, "is too large");
     return static_cast<std::uint64_t>(bytes);
   }

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+
+#include "processing/image/codecs.h"
+#include "tests/processing/image/samples.h"
+#include "tests/support/places.h"
+
+namespace patina {
+namespace {
+
+template <class T>
+Image<T> decoded(const Bytes& file) {
+  return std::get<Image<T>>(codecs::decodePng(file, readPictureHeader(file)));
+}
+
+TEST(EncodePng, ComesBackBitForBit) {
+  for (int channels : {1, 3}) {
+    const auto low = gradient(37, 11, channels);
+    EXPECT_EQ(decoded<std::uint8_t>(encodePng(low.view())).texels(), low.texels());
+    Image<std::uint16_t> high(19, 23, channels);
+    for (std::size_t i = 0; i < high.texels().size(); ++i)
+      high.texels()[i] = static_cast<std::uint16_t>(i * 2477);
+    EXPECT_EQ(decoded<std::uint16_t>(encodePng(std::as_const(high).view())).texels(),
+              high.texels());
+  }
+}
+
+TEST(EncodePng, ReadsRowsOfACropAndRefusesTwoChannels) {
+  const auto whole = gradient(64, 64, 3);
+  const auto crop = whole.view().crop({8, 8, 32, 32});
+  EXPECT_EQ(encodePng(crop), encodePng(copyOf(crop).view()));
+  EXPECT_THROW(encodePng(Image<std::uint8_t>(4, 4, 2).view()), ProcessingError);
+}
+
+TEST(DecodePng, RefusesAWrongCheckSum) {
+  Bytes file = encodePng(gradient(64, 48, 3).view());
+  file[file.size() / 2] ^= std::byte{1};
+  EXPECT_THAT(refusalOf([&] { decodePicture(file); }), ::testing::HasSubstr("damaged"));
+}
+
+TEST(DecodePng, ReadsRealPictures) {
+  PATINA_TEST_DATA_OR_SKIP(folder, "textures");
+  EXPECT_EQ(readPicture(folder / "brick.png").linear.channels(), 1);
+  EXPECT_EQ(readPicture(folder / "coffee.png").linear.size(), (SizePx{600, 400}));
+}
+
+}  // namespace
+}  // namespace patina
