@@ -1,7 +1,85 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+// `patina`: finds the verb, runs it, and turns whatever happened into one line and an exit code.
+#include <tbb/global_control.h>
+#include <unistd.h>
 
-int main() {
-  std::fputs("patina: no verb is built in yet\n", stderr);
-  return 64;
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <new>
+#include <optional>
+#include <system_error>
+
+#include "capture/app/context.h"
+#include "capture/app/verbs/verbs.h"
+
+namespace patina::app {
+namespace {
+
+int fail(Exit exit, const std::string& message, bool json) {
+  std::fputs(errorText(exit, message, json).c_str(), stderr);
+  return static_cast<int>(exit);
 }
+
+// A reader that went away (head, less) is no error of ours; a full disk is.
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+    return;
+  if (errno == EPIPE) return;
+  throw AppError(Exit::kIo, "cannot write to the standard output");
+}
+
+void addVerbs(CommandLine& line) { addPlanVerbs(line.root()); }
+
+void runVerb(CommandLine& line, const std::string& command, Signals& signals) {
+  const GlobalOptions& options = line.options();
+  devices::RealClock clock;
+  ProgressLine progress(clock, isatty(STDERR_FILENO) == 1 && !options.quiet && !options.json);
+  signals.onStop([&progress] { progress.askToStop(); });
+  std::optional<tbb::global_control> threads;
+  if (options.threads > 0)
+    threads.emplace(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(options.threads));
+  Context context{
+      options,  line.verbName(), command, Output(line.verbName(), options.json, options.quiet),
+      progress, clock,           signals};
+  struct Release {  // the handler must not outlive what it calls
+    Signals& signals;
+    ~Release() { signals.onStop({}); }
+  } release{signals};
+  line.run(context);
+  progress.clear();
+  print(context.out.text());
+}
+
+int run(int argc, char** argv) {
+  Signals signals;
+  CommandLine line;
+  addVerbs(line);
+  const auto json = [&line] { return line.options().json; };
+  try {
+    if (const auto text = line.parse(argc, argv)) {
+      print(*text);
+      return 0;
+    }
+    runVerb(line, quoted(argc, argv), signals);
+    return 0;
+  } catch (const Stopped&) {
+    return 128 + (signals.received() != 0 ? signals.received() : SIGINT);
+  } catch (const Failure& failure) {
+    return fail(failure.exit(), failure.what(), json());
+  } catch (const std::bad_alloc&) {
+    return fail(Exit::kTemporary, "out of memory", json());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(error.code() == std::errc::permission_denied ? Exit::kPermission : Exit::kIo,
+                error.what(), json());
+  } catch (const std::exception& error) {
+    return fail(Exit::kBug, std::string("this is a bug of ours, please report it: ") + error.what(),
+                json());
+  }
+}
+
+}  // namespace
+}  // namespace patina::app
+
+int main(int argc, char** argv) { return patina::app::run(argc, argv); }

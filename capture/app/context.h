@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a verb works with.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "capture/app/command_line.h"
+#include "capture/app/output.h"
+#include "capture/app/progress_line.h"
+#include "capture/app/signals.h"
+#include "devices/clock.h"
+#include "processing/image/failure.h"
+
+namespace patina::app {
+
+// A mistake of the verbs' own: options that do not go together, an output that is there already.
+class AppError : public Failure {
+ public:
+  using Failure::Failure;
+};
+
+struct Context {
+  const GlobalOptions& options;
+  std::string verb;     // "ttf build"
+  std::string command;  // as typed, quoted for a shell
+  Output out;
+  ProgressLine& progress;
+  devices::Clock& clock;  // the real one
+  Signals& signals;
+
+  const std::filesystem::path& archive() const;  // kUsage when none was named
+  std::uint64_t seed() const { return options.seed.value_or(1); }
+  void warn(const std::string& message) const;     // stderr, not under --quiet
+  void verbose(const std::string& message) const;  // stderr, only under --verbose
+};
+
+// The command line again, so that a shell would read it the same way.
+std::string quoted(int argc, char** argv);
+
+}  // namespace patina::app
