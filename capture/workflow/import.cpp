@@ -21,6 +21,7 @@ constexpr std::size_t kBatchPictures = 8;
 // A file of a shot, read and judged; no picture when `why_not` says something.
 struct LoadedFile {
   std::string name, ext, why_not;
+  bool read = true;
   Bytes bytes;
   SizePx size;
   double saturated_fraction = 0;
@@ -58,6 +59,7 @@ LoadedFile load(const fs::path& path) {
   try {
     file.bytes = readFile(path);
   } catch (const Failure& failure) {
+    file.read = false;
     file.why_not = failure.what();
   }
   return file;
@@ -300,9 +302,12 @@ class Importer {
 
   void reject(const LoadedFile& file) {
     report_.rejected.push_back({file.name, file.why_not});
-    archive_->quarantine(
-        file.bytes, file.ext,
-        {0, report_.run_id, now_(), "quarantine", file.name + ": " + file.why_not});
+    const db::EventRow why{0, report_.run_id, now_(), "quarantine",
+                           file.name + ": " + file.why_not};
+    if (file.read)
+      archive_->quarantine(file.bytes, file.ext, why);
+    else
+      archive_->addEvent(why);
   }
 
   void note(SizePx size) {

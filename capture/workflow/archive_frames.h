@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The frames of a run as a FrameSource: one camera, one light state, one exposure; decoded,
+// calibrated, of one size. Registration is the identity for now.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "db/archive.h"
+#include "processing/ttf/frame_source.h"
+
+namespace patina::workflow {
+
+// Which frames. Empty fields: the only one there is; where a run has several, the choice is
+// refused with the ones there are.
+struct FrameSelection {
+  std::string camera, light;
+  std::optional<int> exposure;
+  int file_index = 0;    // RAW+JPEG: 0 is the raw file
+  bool partial = false;  // also frames of steps that are not whole
+  int every = 1;         // frame 0, every, 2*every ... of those there are
+};
+struct Correction {
+  bool light_gain = true;  // per light and channel, of the light checks
+  bool masters = true;     // dark (else bias) and flat, by key
+  bool stale = false;      // also masters out of tolerance, flagged; otherwise left out, with why
+};
+
+// What was chosen and what was done to it.
+struct FramesReport {
+  std::string camera, light;
+  int exposure = 0;
+  Nanoseconds exposure_time{};
+  std::int64_t frames = 0, steps_partial_left_out = 0;
+  SizePx size;                             // of every frame given
+  int sizes = 1;                           // how many different ones there were
+  SizePx largest;                          // before cropping about the centre
+  std::vector<std::string> masters;        // "dark cal 3: 2.1 days, 0.4 K away"
+  std::vector<std::string> masters_left;   // why one was not used
+  std::vector<std::string> input_sha256s;  // frames, then masters
+  double gain_min = 1, gain_max = 1;       // over the frames given so far
+};
+
+// Decodes a few frames at a time in parallel and gives them in order: memory is bounded by about
+// 400 MB whatever the length. Thread-bound. The reader outlives it.
+class ArchiveFrames final : public ttf::FrameSource {
+ public:
+  // Throws WorkflowError: kUsage with the choices; kBadData when no frame is left.
+  ArchiveFrames(const db::ArchiveReader& reader, const std::string& run_id,
+                const FrameSelection& selection, const Correction& correction);
+  ~ArchiveFrames() override;
+
+  std::int64_t count() const override;
+  std::optional<ttf::SourceFrame> next() override;
+  const FramesReport& report() const { return report_; }
+  // Which calibration every frame was given: for the catalogue's frame_calibration.
+  const std::vector<db::FrameCalibrationRow>& bindings() const { return bindings_; }
+
+ private:
+  struct Chosen;
+  struct MasterSet;
+  void choose(const db::ArchiveReader& reader, const FrameSelection& selection);
+  void bindMasters();
+  void fill();
+
+  const db::ArchiveReader& reader_;
+  const std::string run_id_;
+  const Correction correction_;
+  UtcTime t0_;
+  FramesReport report_;
+  std::vector<Chosen> chosen_;
+  std::unique_ptr<MasterSet> masters_;
+  std::vector<db::FrameCalibrationRow> bindings_;
+  std::size_t next_ = 0, batch_at_ = 0, batch_frames_ = 1;
+  std::vector<ttf::SourceFrame> batch_;
+};
+
+}  // namespace patina::workflow
