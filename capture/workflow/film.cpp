@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/film.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "capture/workflow/failure.h"
+#include "processing/image/film_file.h"
+
+namespace patina::workflow {
+
+double gainOf(const Sequence& sequence, const ShowOptions& options, Progress& progress) {
+  return options.exposure ? std::exp2(options.exposure->value) : displayGain(sequence, progress);
+}
+
+double filmRate(std::int64_t frames) {
+  constexpr double kWantedSeconds = 15;
+  double best = 25, best_off = HUGE_VAL;
+  for (const double rate :
+       {1.0, 2.0, 3.0, 5.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 50.0, 60.0}) {
+    const double off = std::abs(std::log(static_cast<double>(frames) / rate / kWantedSeconds));
+    if (off < best_off) {
+      best_off = off;
+      best = rate;
+    }
+  }
+  return best;
+}
+
+FilmOutcome makeFilm(const Sequence& sequence, const FilmRequest& request,
+                     const std::filesystem::path& mp4, Progress& progress) {
+  if (mp4.extension() != ".mp4")
+    throw WorkflowError(Exit::kUsage, "a film is written as .mp4, not as '" + mp4.string() + "'");
+  FilmOutcome outcome;
+  outcome.gain = gainOf(sequence, request.show, progress);
+  const auto source = sequence.open(request.every);
+  outcome.frames = source->count();
+  if (outcome.frames < 1) throw WorkflowError(Exit::kBadData, sequence.name + " has no frames");
+  FilmOptions options;
+  options.frames_per_second =
+      request.frames_per_second > 0 ? request.frames_per_second : filmRate(outcome.frames);
+  outcome.frames_per_second = options.frames_per_second;
+  outcome.size = sequence.size;
+  outcome.length = fromSeconds(static_cast<double>(outcome.frames) / options.frames_per_second);
+  FilmWriter film(mp4, sequence.size, options);
+  progress.begin("writing the film", outcome.frames);
+  while (const auto frame = source->next()) {
+    const Image<std::uint8_t> shown = toDisplay(frame->linear.view(), outcome.gain);
+    film.add(shown.view());
+    progress.step();
+  }
+  film.close();
+  return outcome;
+}
+
+std::string timeLabel(double time_s, double span_s) {
+  const auto seconds = static_cast<long long>(std::floor(time_s + 0.5));
+  const long long day = seconds / 86400, hour = seconds / 3600 % 24, minute = seconds / 60 % 60;
+  char text[48];
+  if (span_s >= 20 * 86400.0)
+    std::snprintf(text, sizeof text, "day %lld", day);
+  else if (span_s >= 86400.0)
+    std::snprintf(text, sizeof text, "day %lld %02lld:%02lld", day, hour, minute);
+  else if (span_s >= 300)
+    std::snprintf(text, sizeof text, "%02lld:%02lld h", day * 24 + hour, minute);
+  else
+    std::snprintf(text, sizeof text, "%.1f s", time_s);
+  return text;
+}
+
+}  // namespace patina::workflow

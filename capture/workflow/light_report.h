@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the light of a run did, from the verdicts of its checks: counts, ranges, and the times when
+// it was not what it should be, in plain sentences.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "db/archive.h"
+
+namespace patina::workflow {
+
+// One series: a light state, exposure, source and channel.
+struct LightSeriesReport {
+  std::string light, source, channel;
+  int exposure = 0;
+  std::map<std::string, std::int64_t> verdicts;  // "pass" -> count
+  std::int64_t checks = 0;
+  double ratio_min = 1, ratio_max = 1;  // level / baseline; of checks with a baseline
+  double gain_min = 1, gain_max = 1;    // of the frames that were corrected
+  std::vector<double> time_h, ratio;    // of every check with a baseline, for a chart
+  std::vector<bool> good;               // beside them: neither hold nor worse
+};
+struct BadSpell {
+  std::string light, verdict;  // the commonest verdict in it
+  UtcTime from, to;            // first and last check that was not good
+  std::int64_t checks = 0;
+  double ratio_worst = 1;  // furthest from 1
+};
+struct LightReport {
+  std::string run_id;
+  UtcTime t0_utc;
+  std::vector<LightSeriesReport> series;
+  std::vector<BadSpell> spells;  // of any series, merged a light state, in order of time
+  std::map<std::string, std::int64_t> verdicts;
+  std::int64_t checks = 0, steps_held = 0;
+  Nanoseconds held{};  // time waited for light, all steps
+  std::vector<std::string> sentences;
+};
+
+bool isGoodVerdict(const std::string& verdict);  // learn, pass, correct, measure
+LightReport reportLight(const db::ArchiveReader& reader, const std::string& run_id);
+
+}  // namespace patina::workflow

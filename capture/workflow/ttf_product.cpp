@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/ttf_product.h"
+
+#include "capture/workflow/failure.h"
+
+namespace patina::workflow {
+namespace {
+
+Facts optionsOf(const TtfRequest& request, const FramesReport& frames, SizePx size) {
+  Facts options;
+  options.text("camera", frames.camera);
+  options.text("light", frames.light);
+  options.count("exposure", frames.exposure);
+  options.count("every", request.selection.every);
+  options.set("partial", request.selection.partial);
+  options.set("light_gain", request.correction.light_gain);
+  options.set("masters", frames.masters);
+  options.number("scale", request.build.scale);
+  const RectPx region = request.build.region.value_or(RectPx{0, 0, size.width, size.height});
+  options.text("region", std::to_string(region.x) + "," + std::to_string(region.y) + "," +
+                             std::to_string(region.width) + "," + std::to_string(region.height));
+  return options;
+}
+
+// Mean of a quantity over the run; nothing when no sensor measured it.
+std::optional<double> meanReading(const db::ArchiveReader& reader, const std::string& run_id,
+                                  const std::string& quantity) {
+  double sum = 0;
+  std::int64_t count = 0;
+  for (const db::ReadingRow& reading : reader.readings(run_id))
+    if (reading.quantity == quantity && reading.quality == "ok") {
+      sum += reading.value;
+      ++count;
+    }
+  return count > 0 ? std::optional<double>(sum / static_cast<double>(count)) : std::nullopt;
+}
+
+Facts metadataOf(const TtfRequest& request, const db::ArchiveReader& reader, const db::RunRow& run,
+                 const FramesReport& frames, SizePx size, double span_s) {
+  Facts facts;
+  facts.text("specimen", run.specimen);
+  facts.text("process", request.process);
+  facts.text("licence", request.licence);
+  if (!request.after.empty()) facts.text("after", request.after);
+  facts.count("frames", frames.frames);
+  facts.count("interval_ns", run.interval.count() * request.selection.every);
+  facts.count("duration_ns", fromSeconds(span_s).count());
+  facts.text("camera", frames.camera);
+  facts.text("light", frames.light);
+  facts.count("exposure", frames.exposure);
+  facts.count("width_px", size.width);
+  facts.count("height_px", size.height);
+  facts.count("t0_utc_ns", toNs(run.t0_utc));
+  facts.number("mm_per_texel", request.build.mm_per_texel);
+  if (const auto humidity = meanReading(reader, run.id, "humidity"))
+    facts.number("humidity_percent", *humidity);
+  if (const auto degrees = meanReading(reader, run.id, "temperature"))
+    facts.number("temperature_c", *degrees);
+  return facts;
+}
+
+}  // namespace
+
+TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& request, UtcTime now,
+                   Progress& progress) {
+  const db::ArchiveReader reader(archive);
+  const db::RunRow run = reader.findRun(request.run);
+  ArchiveFrames frames(reader, run.id, request.selection, request.correction);
+  const SizePx whole = frames.report().size;
+  if (const auto& r = request.build.region;
+      r && (r->x + r->width > whole.width || r->y + r->height > whole.height))
+    throw WorkflowError(Exit::kUsage, "the region does not lie within the frames of " +
+                                          std::to_string(whole.width) + "x" +
+                                          std::to_string(whole.height) + " pixels");
+  TtfOutcome outcome;
+  outcome.size = request.build.region
+                     ? SizePx{request.build.region->width, request.build.region->height}
+                     : whole;
+  const Making making{request.command, optionsOf(request, frames.report(), whole), request.seed,
+                      request.version, frames.report().input_sha256s};
+  const ProductFile file =
+      placeProduct(archive, freeProductId(reader, "ttf", run.id), "ttf.h5", request.out);
+  ttf::TtfInfo about;
+  about.scale = request.build.scale;
+  about.mm_per_texel = request.build.mm_per_texel;
+  about.t0_utc = run.t0_utc;
+  about.provenance_json = making.facts().json();
+  outcome.build = ttf::buildTtf(frames, request.build, about, file.path, progress);
+  if (!frames.bindings().empty()) db::ProductWriter::bind(archive, frames.bindings());
+  outcome.frames = frames.report();
+  outcome.path = file.path;
+  const ttf::TtfReader built(file.path);
+  const std::vector<double>& times = built.info().time_s;
+  const double span = times.empty() ? 0 : times.back() - times.front();
+  outcome.product =
+      recordProduct(archive, file, "ttf", run.id, making,
+                    metadataOf(request, reader, run, outcome.frames, outcome.size, span), now);
+  return outcome;
+}
+
+}  // namespace patina::workflow
