@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "capture/app/command_line.h"
 #include "capture/app/output.h"
@@ -22,12 +23,15 @@ class AppError : public Failure {
 
 struct Context {
   const GlobalOptions& options;
-  std::string verb;     // "ttf build"
-  std::string command;  // as typed, quoted for a shell
+  std::string verb;                    // "ttf build"
+  std::string command;                 // as typed, quoted for a shell
+  std::vector<std::string> arguments;  // as typed, without the program's name
   Output out;
   ProgressLine& progress;
   devices::Clock& clock;  // the real one
   Signals& signals;
+  int exit_code = 0;      // of a verb that did its work but has bad news
+  bool answered = false;  // a child process has printed the answer
 
   const std::filesystem::path& archive() const;  // kUsage when none was named
   std::uint64_t seed() const { return options.seed.value_or(1); }

@@ -31,7 +31,7 @@ void print(const std::string& text) {
 
 void addVerbs(CommandLine& line) { addPlanVerbs(line.root()); }
 
-void runVerb(CommandLine& line, const std::string& command, Signals& signals) {
+int runVerb(CommandLine& line, int argc, char** argv, Signals& signals) {
   const GlobalOptions& options = line.options();
   devices::RealClock clock;
   ProgressLine progress(clock, isatty(STDERR_FILENO) == 1 && !options.quiet && !options.json);
@@ -40,16 +40,22 @@ void runVerb(CommandLine& line, const std::string& command, Signals& signals) {
   if (options.threads > 0)
     threads.emplace(tbb::global_control::max_allowed_parallelism,
                     static_cast<std::size_t>(options.threads));
-  Context context{
-      options,  line.verbName(), command, Output(line.verbName(), options.json, options.quiet),
-      progress, clock,           signals};
+  Context context{.options = options,
+                  .verb = line.verbName(),
+                  .command = quoted(argc, argv),
+                  .arguments = {argv + 1, argv + argc},
+                  .out = Output(line.verbName(), options.json, options.quiet),
+                  .progress = progress,
+                  .clock = clock,
+                  .signals = signals};
   struct Release {  // the handler must not outlive what it calls
     Signals& signals;
     ~Release() { signals.onStop({}); }
   } release{signals};
   line.run(context);
   progress.clear();
-  print(context.out.text());
+  if (!context.answered) print(context.out.text());
+  return context.exit_code;
 }
 
 int run(int argc, char** argv) {
@@ -62,8 +68,7 @@ int run(int argc, char** argv) {
       print(*text);
       return 0;
     }
-    runVerb(line, quoted(argc, argv), signals);
-    return 0;
+    return runVerb(line, argc, argv, signals);
   } catch (const Stopped&) {
     return 128 + (signals.received() != 0 ? signals.received() : SIGINT);
   } catch (const Failure& failure) {
