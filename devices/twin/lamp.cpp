@@ -27,11 +27,6 @@ double overlap(const Fault& fault, Nanoseconds begin, Nanoseconds end) {
   return to > from ? toSeconds(to - from) / toSeconds(end - begin) : 0;
 }
 
-bool isLampFault(FaultKind kind) {
-  return kind == FaultKind::kLampDead || kind == FaultKind::kLampDrift ||
-         kind == FaultKind::kLampStep;
-}
-
 }  // namespace
 
 Lamp::Lamp(const LightSpec& spec, bool incandescent, const LampProfile& profile,
