@@ -5,7 +5,7 @@
 //              ramp(a): green-yellow, yellow, deep yellow, brown. Fibres along y and a fine mottle
 //              modulate it, more as it ages.
 //   freckles   the union of four classes of spots (blobs.h), from dots to blotches and short
-//              streaks; darkness s((t - A) / w) with w so wide that a rim is softer than 0.12 mm
+//              streaks; darkness s((t - A) / w) with w so wide that a rim is softer than 0.2 mm
 //              and than a texel. Older skin inside a spot is darker; a halo runs ahead of the rim.
 //   bruises    few, wide and translucent spots of the same kind.
 //   surface    waxy and smooth when fresh, matt when old and inside freckles, which sink; fibres
@@ -26,9 +26,9 @@ namespace patina::devices::twin {
 
 namespace {
 
-constexpr float kRimMm = 0.10f;    // softness of a freckle's rim
-constexpr float kRimTime = 0.03f;  // a new spot takes this long to show
-constexpr float kHalo = 0.07f;     // its halo is so much ahead
+constexpr float kRimMm = 0.20f;     // softness of a freckle's rim
+constexpr float kRimTime = 0.045f;  // a new spot takes this long to show
+constexpr float kHalo = 0.07f;      // its halo is so much ahead
 constexpr float kBruiseRimMm = 2.2f;
 constexpr float kSinkMm = 0.05f;  // of a freckle
 constexpr float kWrinkleMm = 0.10f;
@@ -47,22 +47,22 @@ struct Fields {
 };
 
 const ColorRamp<7>& skinRamp() {
-  static const ColorRamp<7> ramp({{{0.00f, fromSrgb(168, 186, 74)},
-                                   {0.12f, fromSrgb(206, 204, 74)},
-                                   {0.26f, fromSrgb(238, 207, 78)},
-                                   {0.52f, fromSrgb(232, 188, 66)},
-                                   {0.74f, fromSrgb(205, 152, 60)},
-                                   {0.90f, fromSrgb(146, 97, 46)},
-                                   {1.00f, fromSrgb(104, 67, 36)}}});
+  static const ColorRamp<7> ramp({{{0.00f, fromSrgb(186, 190, 72)},
+                                   {0.10f, fromSrgb(210, 203, 72)},
+                                   {0.24f, fromSrgb(240, 208, 78)},
+                                   {0.50f, fromSrgb(233, 189, 68)},
+                                   {0.72f, fromSrgb(208, 155, 62)},
+                                   {0.88f, fromSrgb(160, 108, 50)},
+                                   {1.00f, fromSrgb(116, 76, 40)}}});
   return ramp;
 }
 
-// By the time since a texel was reached.
+// By the time since a texel was reached: what is left of the skin's colour, down to near black.
 const ColorRamp<4>& freckleRamp() {
-  static const ColorRamp<4> ramp({{{0.00f, fromSrgb(158, 104, 44)},
-                                   {0.07f, fromSrgb(110, 66, 30)},
-                                   {0.20f, fromSrgb(72, 42, 23)},
-                                   {0.60f, fromSrgb(44, 27, 18)}}});
+  static const ColorRamp<4> ramp({{{0.00f, {0.52f, 0.40f, 0.30f}},
+                                   {0.06f, {0.30f, 0.19f, 0.16f}},
+                                   {0.18f, {0.150f, 0.085f, 0.085f}},
+                                   {0.60f, {0.080f, 0.050f, 0.060f}}}});
   return ramp;
 }
 
@@ -82,7 +82,7 @@ void BananaSurface::rowAt(double time, int y, SurfaceRow& row) const {
   const ColorRamp<4> spot = freckleRamp();
   const Rgb halo_tint{0.80f, 0.62f, 0.42f}, bruise_tint{0.50f, 0.36f, 0.26f};
   const float jitter_now = 4 * t * (1 - t), old = t * t;
-  const float fibre_now = 0.05f + 0.12f * t, mottle_now = 0.035f + 0.10f * t;
+  const float fibre_now = 0.05f + 0.14f * t, mottle_now = 0.035f + 0.10f * t;
   const std::size_t at = static_cast<std::size_t>(y) * width_;
   for (int i = 0; i < width_; ++i) {
     const std::size_t k = at + i;
@@ -101,7 +101,9 @@ void BananaSurface::rowAt(double time, int y, SurfaceRow& row) const {
     c = {c.r * mix(1, halo_tint.r, halo), c.g * mix(1, halo_tint.g, halo),
          c.b * mix(1, halo_tint.b, halo)};
     const float s = saturate(since * inverse_width), dark = smooth01(s);
-    c = mix(c, scaled(spot.at(since), 1 + 0.25f * f_.mottle[k]), 0.93f * dark);
+    const Rgb left = scaled(spot.at(since + 0.04f * f_.mottle[k]), 1 + 0.35f * f_.mottle[k]);
+    c = {c.r * mix(1, left.r, dark) + 0.012f * dark, c.g * mix(1, left.g, dark) + 0.009f * dark,
+         c.b * mix(1, left.b, dark) + 0.007f * dark};
 
     row[SurfaceRow::kDiffuseR][i] = saturate(c.r);
     row[SurfaceRow::kDiffuseG][i] = saturate(c.g);
@@ -126,6 +128,11 @@ void BananaSurface::rowAt(double time, int y, SurfaceRow& row) const {
   }
 }
 
+struct Freckles {
+  BlobField field;
+  float warp;  // how ragged
+};
+
 class Banana final : public Specimen {
  public:
   explicit Banana(std::uint64_t seed) : seed_(seed) {}
@@ -137,78 +144,39 @@ class Banana final : public Specimen {
 
  private:
   std::uint64_t key(std::uint64_t field) const { return hashSeed(seed_, 0xba7a7aull, field); }
-  std::vector<BlobField> freckles(const Bounds& b) const;
-  void fillRow(const SampleGrid& grid, int y, const std::vector<BlobField>& freckle,
+  std::vector<Freckles> freckles(const Bounds& b) const;
+  void fillRow(const SampleGrid& grid, int y, const std::vector<Freckles>& freckle,
                const BlobField& bruise, Fields& f) const;
 
   std::uint64_t seed_;
   mutable RegularSurface regular_;
 };
 
-std::vector<BlobField> Banana::freckles(const Bounds& b) const {
-  const BlobOptions classes[] = {// pin-point dots, many and early
-                                 {.seed = key(1),
-                                  .cell_mm = 1.7f,
-                                  .probability = 0.45f,
-                                  .radius_min_mm = 0.15f,
-                                  .radius_max_mm = 0.5f,
-                                  .radius_power = 1.6f,
-                                  .onset_min = 0.20f,
-                                  .onset_max = 1.05f,
-                                  .onset_power = 0.8f,
-                                  .growth = 0.9f,
-                                  .power = 1.8f,
-                                  .elongation = 1.25f},
-                                 // ordinary freckles
-                                 {.seed = key(2),
-                                  .cell_mm = 4.2f,
-                                  .probability = 0.85f,
-                                  .radius_min_mm = 0.7f,
-                                  .radius_max_mm = 2.4f,
-                                  .radius_power = 1.8f,
-                                  .onset_min = 0.24f,
-                                  .onset_max = 1.0f,
-                                  .onset_power = 0.9f,
-                                  .growth = 0.85f,
-                                  .power = 1.5f,
-                                  .elongation = 1.35f},
-                                 // blotches
-                                 {.seed = key(3),
-                                  .cell_mm = 10.0f,
-                                  .probability = 0.75f,
-                                  .radius_min_mm = 2.5f,
-                                  .radius_max_mm = 6.0f,
-                                  .radius_power = 1.2f,
-                                  .onset_min = 0.30f,
-                                  .onset_max = 0.95f,
-                                  .onset_power = 0.9f,
-                                  .growth = 1.05f,
-                                  .power = 1.4f,
-                                  .elongation = 1.4f},
-                                 // short streaks along the fibres
-                                 {.seed = key(4),
-                                  .cell_mm = 7.0f,
-                                  .probability = 0.45f,
-                                  .radius_min_mm = 0.18f,
-                                  .radius_max_mm = 0.7f,
-                                  .radius_power = 1.5f,
-                                  .onset_min = 0.35f,
-                                  .onset_max = 1.0f,
-                                  .onset_power = 0.8f,
-                                  .growth = 0.8f,
-                                  .power = 1.6f,
-                                  .elongation = 9.0f}};
-  std::vector<BlobField> fields;
-  for (const BlobOptions& options : classes) fields.emplace_back(options, b.x0, b.y0, b.x1, b.y1);
-  return fields;
+std::vector<Freckles> Banana::freckles(const Bounds& b) const {
+  // seed, cell; chance; radius from, to, power; onset from, to, power; growth, power, elongation
+  const BlobOptions classes[] = {
+      // pin-point dots, many and early
+      {key(1), 1.2f, 0.55f, 0.15f, 0.5f, 1.8f, 0.14f, 1.10f, 0.9f, 0.8f, 2.0f, 1.3f},
+      // ordinary freckles
+      {key(2), 2.8f, 0.85f, 0.60f, 2.0f, 1.8f, 0.18f, 0.98f, 0.95f, 0.85f, 1.7f, 1.4f},
+      // blotches
+      {key(3), 7.2f, 0.85f, 2.00f, 4.8f, 1.2f, 0.24f, 0.92f, 1.0f, 0.85f, 1.5f, 1.45f},
+      // short streaks along the fibres
+      {key(4), 6.0f, 0.50f, 0.20f, 0.6f, 1.5f, 0.30f, 1.00f, 0.9f, 0.8f, 1.7f, 9.0f},
+  };
+  const float warps[] = {0.3f, 0.8f, 1.2f, 0.6f};
+  std::vector<Freckles> kinds;
+  for (int i = 0; i < 4; ++i)
+    kinds.push_back({BlobField(classes[i], b.x0, b.y0, b.x1, b.y1), warps[i]});
+  return kinds;
 }
 
-void Banana::fillRow(const SampleGrid& grid, int y, const std::vector<BlobField>& freckle,
+void Banana::fillRow(const SampleGrid& grid, int y, const std::vector<Freckles>& freckle,
                      const BlobField& bruise, Fields& f) const {
   const float texel = grid.texel_mm;
-  const FractalNoise jitter{key(10), 14, 3}, warp_x{key(11), 2.2f, 4, 0.55f},
-      warp_y{key(12), 2.2f, 4, 0.55f}, wide_x{key(13), 14, 3}, wide_y{key(14), 14, 3},
-      fibre{key(15), 0.9f, 4, 0.65f, 1, 16}, mottle{key(16), 3.0f, 5, 0.6f},
+  const FractalNoise jitter{key(10), 14, 3}, warp_x{key(11), 2.4f, 4, 0.5f},
+      warp_y{key(12), 2.4f, 4, 0.5f}, wide_x{key(13), 14, 3}, wide_y{key(14), 14, 3},
+      fibre{key(15), 2.4f, 5, 0.62f, 1, 22}, mottle{key(16), 3.0f, 5, 0.6f},
       pores{key(17), 0.7f, 2}, wrinkle{key(18), 2.6f, 3, 0.45f, 1, 6};
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
@@ -220,35 +188,28 @@ void Banana::fillRow(const SampleGrid& grid, int y, const std::vector<BlobField>
     f.relief[k] = 0.020f * fibres + 0.010f * pores.at(px, py, texel);
     f.wrinkle[k] = kWrinkleMm * wrinkle.at(px, py, texel);
 
-    const float wx = px + 0.55f * warp_x.at(px, py, texel) + 0.12f * fibres;
-    const float wy = py + 0.75f * warp_y.at(px, py, texel);
+    const float wx = 0.55f * warp_x.at(px, py, texel) + 0.12f * fibres;
+    const float wy = 0.75f * warp_y.at(px, py, texel);
+    const Rim rim{kRimTime, std::max(kRimMm, 0.7f * texel), 0.4f};
     Arrival first;
-    for (const BlobField& field : freckle) first = field.at(wx, wy, first);
+    for (const Freckles& kind : freckle)
+      first = kind.field.at(px + kind.warp * wx, py + kind.warp * wy, rim, first);
     f.freckle[k] = first.time;
-    const float rim = std::hypot(kRimTime, std::max(kRimMm, 0.7f * texel) * first.slope);
-    f.freckle_inverse_width[k] = 1 / std::min(rim, 0.5f);
+    f.freckle_inverse_width[k] = 1 / first.width;
 
-    const Arrival area = bruise.at(px + 3.0f * wide_x.at(px, py, texel),
-                                   py + 3.0f * wide_y.at(px, py, texel), Arrival{});
+    const Arrival area =
+        bruise.at(px + 3.0f * wide_x.at(px, py, texel), py + 3.0f * wide_y.at(px, py, texel),
+                  {0.12f, kBruiseRimMm, 0.6f}, Arrival{});
     f.bruise[k] = area.time + 0.05f * f.mottle[k];
-    f.bruise_inverse_width[k] = 1 / std::min(std::hypot(0.12f, kBruiseRimMm * area.slope), 0.6f);
+    f.bruise_inverse_width[k] = 1 / area.width;
   }
 }
 
 std::shared_ptr<const PreparedSurface> Banana::prepare(const SampleGrid& grid) const {
   const Bounds b = boundsOf(grid, 12);
-  const std::vector<BlobField> freckle = freckles(b);
-  const BlobField bruise({.seed = key(5),
-                          .cell_mm = 19,
-                          .probability = 0.7f,
-                          .radius_min_mm = 7,
-                          .radius_max_mm = 15,
-                          .onset_min = 0.40f,
-                          .onset_max = 0.95f,
-                          .growth = 1.1f,
-                          .power = 1.3f,
-                          .elongation = 1.25f},
-                         b.x0, b.y0, b.x1, b.y1);
+  const std::vector<Freckles> freckle = freckles(b);
+  const BlobField bruise({key(5), 19, 0.7f, 7, 15, 1, 0.40f, 0.95f, 1, 1.1f, 1.3f, 1.25f}, b.x0,
+                         b.y0, b.x1, b.y1);
   Fields f(grid.x_mm.size());
   forRowBlocks({grid.size.width, grid.size.height}, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) fillRow(grid, y, freckle, bruise, f);

@@ -40,8 +40,9 @@ BlobField::BlobField(const BlobOptions& options, float x0, float y0, float x1, f
     }
 }
 
-Arrival BlobField::at(float x_mm, float y_mm, const Arrival& before) const {
+Arrival BlobField::at(float x_mm, float y_mm, const Rim& rim, const Arrival& before) const {
   Arrival first = before;
+  float over = before.time + before.width;
   const auto c =
       static_cast<int>(std::floor(x_mm / options_.cell_mm) - static_cast<float>(column0_));
   const auto r = static_cast<int>(std::floor(y_mm / options_.cell_mm) - static_cast<float>(row0_));
@@ -49,16 +50,19 @@ Arrival BlobField::at(float x_mm, float y_mm, const Arrival& before) const {
   for (int j = std::max(r - 1, 0); j <= r1; ++j)
     for (int i = std::max(c - 1, 0); i <= c1; ++i) {
       const Blob& b = blobs_[static_cast<std::size_t>(j) * columns_ + i];
-      if (b.onset >= first.time) continue;
+      if (b.onset + rim.time >= over) continue;
       const float dy = (y_mm - b.y) / options_.elongation, dx = x_mm - b.x + b.tilt * dy;
       const float q2 = (dx * dx + dy * dy) * b.inverse_radius * b.inverse_radius;
       if (q2 > 1) continue;
       const float q = std::sqrt(q2);
       const float grown = std::pow(q, options_.power);
       const float time = b.onset + options_.growth * grown;
-      if (time < first.time)
-        first = {time,
-                 options_.growth * options_.power * grown / std::max(q, 1e-3f) * b.inverse_radius};
+      const float slope =  // d time / d distance
+          options_.growth * options_.power * grown / std::max(q, 1e-3f) * b.inverse_radius;
+      const float width = std::min(std::hypot(rim.time, rim.mm * slope), rim.width_max);
+      if (time + width >= over) continue;
+      first = {time, width};
+      over = time + width;
     }
   return first;
 }

@@ -24,9 +24,16 @@ struct BlobOptions {
   float elongation = 1;                           // along y
 };
 
+// A texel turns from `time` on, over `width`: wide enough that a rim is soft in space and time.
 struct Arrival {
-  float time = 9;   // share of the process; 9 = never
-  float slope = 0;  // d time / d distance, per mm
+  float time = 9;  // share of the process; 9 = never
+  float width = 0.1f;
+};
+
+struct Rim {
+  float time = 0.03f;      // least width
+  float mm = 0.1f;         // softness across the rim
+  float width_max = 0.5f;  // of a slow one
 };
 
 // The spots of one class over a rectangle, ready to be asked. Immutable.
@@ -34,8 +41,9 @@ class BlobField {
  public:
   // Covers [x0,x1] x [y0,y1] mm, warps included.
   BlobField(const BlobOptions& options, float x0, float y0, float x1, float y1);
-  // Earliest arrival at a point within the rectangle, or `before` when that is earlier.
-  Arrival at(float x_mm, float y_mm, const Arrival& before) const;
+  // The arrival that is over first (time + width) at a point within the rectangle, or `before`
+  // when that is earlier.
+  Arrival at(float x_mm, float y_mm, const Rim& rim, const Arrival& before) const;
 
  private:
   struct Blob {

@@ -10,8 +10,10 @@
 //             and along crests of ridged noise, so that rims are ragged; dark teal when thin,
 //             verdigris when thick; a matt granular crust.
 //
-// Colours: reflectance of copper at normal incidence (0.955, 0.638, 0.538), the usual RGB fit to
-// its measured index; basic copper salts around (0.2, 0.45, 0.4) in linear light.
+// Colours: reflectance of copper at normal incidence, (0.955, 0.638, 0.538) by its measured index,
+// squared for what bounces twice in the
+// brush marks; basic copper salts around (0.2, 0.45,
+// 0.4) in linear light.
 #include <cmath>
 
 #include "devices/twin/blobs.h"
@@ -27,23 +29,27 @@ namespace patina::devices::twin {
 namespace {
 
 constexpr float kWettingWidth = 0.006f;
-constexpr float kDryingWidth = 0.012f;
+constexpr float kDryingTime = 0.010f;
+constexpr float kDryingMm = 0.9f;  // how wide the edge of the liquid is
 constexpr float kTarnishTime = 0.30f;
 constexpr float kRimMm = 0.15f;
 constexpr float kRimTime = 0.025f;
 constexpr float kFilmMm = 0.12f;
+constexpr float kPoolMm = 0.34f;  // swell of the film over the sheet
 constexpr float kCrustMm = 0.07f;
 
 struct Fields {
   std::vector<float> brush, mottle, grain;
-  std::vector<float> wetting, drying, drying_dx, drying_dy, tide;
+  std::vector<float> wetting, drying, drying_inverse_width, drying_dx, drying_dy, tide;
   std::vector<float> tarnish;
   std::vector<float> patina, patina_inverse_width, patina_dx, patina_dy;
-  std::vector<float> relief, relief_dx, relief_dy, crust, crust_dx, crust_dy;
+  std::vector<float> relief, relief_dx, relief_dy, crust, crust_dx, crust_dy, pool, pool_dx,
+      pool_dy;
   explicit Fields(std::size_t n) {
-    for (auto* f : {&brush, &mottle, &grain, &wetting, &drying, &drying_dx, &drying_dy, &tide,
-                    &tarnish, &patina, &patina_inverse_width, &patina_dx, &patina_dy, &relief,
-                    &relief_dx, &relief_dy, &crust, &crust_dx, &crust_dy})
+    for (auto* f : {&brush,     &mottle,    &grain,  &wetting,   &drying,    &drying_inverse_width,
+                    &drying_dx, &drying_dy, &tide,   &tarnish,   &patina,    &patina_inverse_width,
+                    &patina_dx, &patina_dy, &relief, &relief_dx, &relief_dy, &crust,
+                    &crust_dx,  &crust_dy,  &pool,   &pool_dx,   &pool_dy})
       f->resize(n);
   }
 };
@@ -71,21 +77,21 @@ class CopperSurface final : public PreparedSurface {
 void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
   const auto t = static_cast<float>(time);
   const ColorRamp<5> verdigris = patinaRamp();
-  const Rgb metal_f0{0.955f, 0.638f, 0.538f}, brown_f0{0.16f, 0.075f, 0.05f};
-  const Rgb metal_diffuse{0.022f, 0.012f, 0.009f}, brown_diffuse{0.085f, 0.038f, 0.022f};
-  const Rgb film_tint{0.70f, 0.86f, 0.80f};
+  const Rgb metal_f0{0.93f, 0.45f, 0.28f}, brown_f0{0.17f, 0.070f, 0.040f};
+  const Rgb metal_diffuse{0.030f, 0.014f, 0.009f}, brown_diffuse{0.085f, 0.038f, 0.022f};
+  const Rgb film_tint{0.74f, 0.98f, 0.95f}, film_diffuse{0.010f, 0.036f, 0.032f};
   const std::size_t at = static_cast<std::size_t>(y) * width_;
   for (int i = 0; i < width_; ++i) {
     const std::size_t k = at + i;
     const float arrived = smooth01(saturate((t - f_.wetting[k]) / kWettingWidth));
-    const float dried_raw = saturate((t - f_.drying[k]) / kDryingWidth);
+    const float dried_raw = saturate((t - f_.drying[k]) * f_.drying_inverse_width[k]);
     const float dried = smooth01(dried_raw), wet = arrived * (1 - dried);
     const float brown = smooth01(saturate((t - f_.tarnish[k]) / kTarnishTime));
     const float since = t - f_.patina[k], inverse_width = f_.patina_inverse_width[k];
     const float s = saturate(since * inverse_width), green = smooth01(s);
 
     Rgb d = mix(metal_diffuse, scaled(brown_diffuse, 1 + 0.35f * f_.mottle[k]), brown);
-    Rgb f0 = scaled(mix(metal_f0, brown_f0, brown), 1 + 0.10f * f_.brush[k] * (1 - 0.5f * brown));
+    Rgb f0 = scaled(mix(metal_f0, brown_f0, brown), 1 + 0.16f * f_.brush[k] * (1 - 0.5f * brown));
     const float chalk = 0.28f * f_.tide[k] * dried * brown;  // left by the liquid's edge
     d = mix(d, {0.16f, 0.26f, 0.22f}, chalk);
     const Rgb salt = verdigris.at(since + 0.10f * f_.mottle[k]);
@@ -96,10 +102,11 @@ void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
 
     const float shade = mix(1, 0.48f, wet);
     d = scaled(d, shade);
+    d = {d.r + film_diffuse.r * wet, d.g + film_diffuse.g * wet, d.b + film_diffuse.b * wet};
     f0 = {f0.r * mix(1, film_tint.r, wet) + 0.02f * wet,
           f0.g * mix(1, film_tint.g, wet) + 0.02f * wet,
           f0.b * mix(1, film_tint.b, wet) + 0.02f * wet};
-    rough = mix(rough, 0.20f, 0.9f * wet);
+    rough = mix(rough, 0.13f, 0.95f * wet);
 
     row[SurfaceRow::kDiffuseR][i] = saturate(d.r);
     row[SurfaceRow::kDiffuseG][i] = saturate(d.g);
@@ -110,19 +117,20 @@ void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
     row[SurfaceRow::kRoughness][i] = std::max(saturate(rough), 0.02f);
 
     // The brush marks drown in the film and vanish under the crust.
-    const float bare = (1 - 0.7f * wet) * (1 - 0.8f * green),
-                grow = 6 * s * (1 - s) * inverse_width;
-    const float front = 6 * dried_raw * (1 - dried_raw) / kDryingWidth * kFilmMm * arrived;
-    const float dx = bare * f_.relief_dx[k] + green * f_.crust_dx[k] + front * f_.drying_dx[k] -
-                     grow * kCrustMm * f_.patina_dx[k];
-    const float dy = bare * f_.relief_dy[k] + green * f_.crust_dy[k] + front * f_.drying_dy[k] -
-                     grow * kCrustMm * f_.patina_dy[k];
+    const float bare = (1 - 0.9f * wet) * (1 - 0.8f * green), crust = green * (1 - wet),
+                grow = 6 * s * (1 - s) * inverse_width * (1 - wet);
+    const float front =
+        6 * dried_raw * (1 - dried_raw) * f_.drying_inverse_width[k] * kFilmMm * arrived;
+    const float dx = bare * f_.relief_dx[k] + wet * f_.pool_dx[k] + crust * f_.crust_dx[k] +
+                     front * f_.drying_dx[k] - grow * kCrustMm * f_.patina_dx[k];
+    const float dy = bare * f_.relief_dy[k] + wet * f_.pool_dy[k] + crust * f_.crust_dy[k] +
+                     front * f_.drying_dy[k] - grow * kCrustMm * f_.patina_dy[k];
     const float inverse = 1 / std::sqrt(1 + dx * dx + dy * dy);
     row[SurfaceRow::kNormalX][i] = -dx * inverse;
     row[SurfaceRow::kNormalY][i] = -dy * inverse;
     row[SurfaceRow::kNormalZ][i] = inverse;
     row[SurfaceRow::kHeight][i] =
-        bare * f_.relief[k] + kFilmMm * wet + green * (kCrustMm + f_.crust[k]);
+        bare * f_.relief[k] + (kFilmMm + f_.pool[k]) * wet + green * (kCrustMm + f_.crust[k]);
     row[SurfaceRow::kDegree][i] =
         1 - (1 - 0.55f * brown) * (1 - green * smooth01(saturate(since * 3.3f)));
   }
@@ -150,34 +158,12 @@ class Copper final : public Specimen {
 };
 
 std::vector<BlobField> Copper::seeds(const Bounds& b) const {
-  const BlobOptions classes[] = {{.seed = key(1),
-                                  .cell_mm = 19,
-                                  .probability = 0.8f,
-                                  .radius_min_mm = 10,
-                                  .radius_max_mm = 19,
-                                  .onset_min = 0.16f,
-                                  .onset_max = 0.55f,
-                                  .growth = 0.95f,
-                                  .power = 1.15f},
-                                 {.seed = key(2),
-                                  .cell_mm = 8,
-                                  .probability = 0.65f,
-                                  .radius_min_mm = 3.5f,
-                                  .radius_max_mm = 8,
-                                  .onset_min = 0.18f,
-                                  .onset_max = 0.85f,
-                                  .growth = 0.95f,
-                                  .power = 1.25f},
-                                 {.seed = key(3),
-                                  .cell_mm = 2.6f,
-                                  .probability = 0.6f,
-                                  .radius_min_mm = 0.5f,
-                                  .radius_max_mm = 2.2f,
-                                  .radius_power = 2,
-                                  .onset_min = 0.2f,
-                                  .onset_max = 1.05f,
-                                  .growth = 0.9f,
-                                  .power = 1.5f}};
+  // seed, cell; chance; radius from, to, power; onset from, to, power; growth, power, elongation
+  const BlobOptions classes[] = {
+      {key(1), 19.0f, 0.80f, 10.0f, 19.0f, 1.0f, 0.16f, 0.55f, 1.0f, 0.95f, 1.15f, 1.0f},
+      {key(2), 8.0f, 0.65f, 3.5f, 8.0f, 1.0f, 0.18f, 0.85f, 1.0f, 0.95f, 1.25f, 1.0f},
+      {key(3), 2.6f, 0.60f, 0.5f, 2.2f, 2.0f, 0.20f, 1.05f, 1.0f, 0.90f, 1.50f, 1.0f},
+  };
   std::vector<BlobField> fields;
   for (const BlobOptions& options : classes) fields.emplace_back(options, b.x0, b.y0, b.x1, b.y1);
   return fields;
@@ -186,18 +172,22 @@ std::vector<BlobField> Copper::seeds(const Bounds& b) const {
 void Copper::fillLiquid(const SampleGrid& grid, int y, const BlobField& patches, Fields& f) const {
   const float texel = grid.texel_mm;
   const FractalNoise spread{key(10), 11, 4, 0.5f, 2.5f, 1}, warp_x{key(11), 9, 4},
-      warp_y{key(12), 9, 4}, last{key(13), 13, 4};
+      warp_y{key(12), 9, 4}, last{key(13), 13, 4}, pool{key(14), 7.5f, 2, 0.3f};
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
     const float px = grid.x_mm[k], py = grid.y_mm[k];
     f.wetting[k] = 0.022f + 0.020f * std::clamp(spread.at(px, py, texel), -0.8f, 0.8f);
-    const Arrival dry = patches.at(px + 3.2f * warp_x.at(px, py, texel),
-                                   py + 3.2f * warp_y.at(px, py, texel), Arrival{});
+    const Arrival dry =
+        patches.at(px + 5.0f * warp_x.at(px, py, texel), py + 5.0f * warp_y.at(px, py, texel),
+                   {kDryingTime, kDryingMm, 0.1f}, Arrival{});
     const float soft = 0.42f + 0.10f * last.at(px, py, texel);  // what no patch reaches
     f.drying[k] = std::min(dry.time, soft);
-    const float phase = f.drying[k] * 19;
+    f.drying_inverse_width[k] = 1 / (dry.time < soft ? dry.width : 0.03f);
+    const float phase = f.drying[k] * 13 + 0.5f * last.at(px + 40, py, texel);
     const float crest = 1 - 2 * std::abs(phase - std::floor(phase) - 0.5f);
-    f.tide[k] = crest * crest * crest * crest;
+    f.pool[k] = kPoolMm * pool.at(px, py, texel);
+    const float here = saturate(0.1f + 1.6f * spread.at(px, py + 90, texel));
+    f.tide[k] = here * crest * crest * crest;
   }
 }
 
@@ -211,7 +201,7 @@ void Copper::fillMetal(const SampleGrid& grid, int y, Fields& f) const {
     f.brush[k] = brush.at(px, py, texel);
     f.mottle[k] = mottle.at(px, py, texel);
     f.grain[k] = grain.at(px, py, texel);
-    f.relief[k] = 0.005f * f.brush[k];
+    f.relief[k] = 0.010f * f.brush[k];
     f.crust[k] = 0.030f * f.grain[k] + 0.03f * f.mottle[k];
   }
 }
@@ -219,19 +209,18 @@ void Copper::fillMetal(const SampleGrid& grid, int y, Fields& f) const {
 void Copper::fillPatina(const SampleGrid& grid, int y, const std::vector<BlobField>& seeds,
                         Fields& f) const {
   const float texel = grid.texel_mm;
-  const FractalNoise warp_x{key(30), 6, 5, 0.55f}, warp_y{key(31), 6, 5, 0.55f},
+  const FractalNoise warp_x{key(30), 10, 7, 0.55f}, warp_y{key(31), 10, 7, 0.55f},
       crest{key(32), 3.2f, 5, 0.6f}, early{key(33), 9, 5, 0.55f};
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
     const float px = grid.x_mm[k], py = grid.y_mm[k];
-    const float wx = px + 2.4f * warp_x.at(px, py, texel),
-                wy = py + 2.4f * warp_y.at(px, py, texel);
+    const float wx = px + 5.0f * warp_x.at(px, py, texel),
+                wy = py + 5.0f * warp_y.at(px, py, texel);
+    const Rim rim{kRimTime, std::max(kRimMm, 0.7f * texel), 0.3f};
     Arrival first;
-    for (const BlobField& field : seeds) first = field.at(wx, wy, first);
-    const float fingers = 0.30f * (0.55f - crest.ridged(px, py, texel));
+    for (const BlobField& field : seeds) first = field.at(wx, wy, rim, first);
+    const float fingers = 0.34f * (0.52f - crest.ridged(px, py, texel));
     f.patina[k] = std::max(first.time + fingers, 0.10f);
-    const float rim = std::hypot(kRimTime, std::max(kRimMm, 0.7f * texel) * (first.slope + 0.06f));
-    f.patina_inverse_width[k] = 1 / std::min(rim, 0.4f);
     const float anywhere = 0.26f + 0.30f * early.at(px, py, texel);
     f.tarnish[k] = std::max(0.05f, std::min(anywhere, f.patina[k] - 0.14f) + 0.03f * f.mottle[k]);
   }
@@ -240,16 +229,8 @@ void Copper::fillPatina(const SampleGrid& grid, int y, const std::vector<BlobFie
 std::shared_ptr<const PreparedSurface> Copper::prepare(const SampleGrid& grid) const {
   const Bounds b = boundsOf(grid, 12);
   const std::vector<BlobField> patina = seeds(b);
-  const BlobField patches({.seed = key(4),
-                           .cell_mm = 21,
-                           .probability = 1,
-                           .radius_min_mm = 15,
-                           .radius_max_mm = 21,
-                           .onset_min = 0.10f,
-                           .onset_max = 0.28f,
-                           .growth = 0.40f,
-                           .power = 1.1f},
-                          b.x0, b.y0, b.x1, b.y1);
+  const BlobField patches({key(4), 21, 1, 15, 21, 1, 0.10f, 0.28f, 1, 0.40f, 1.1f, 1}, b.x0, b.y0,
+                          b.x1, b.y1);
   Fields f(grid.x_mm.size());
   forRowBlocks(grid.size, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
@@ -259,8 +240,17 @@ std::shared_ptr<const PreparedSurface> Copper::prepare(const SampleGrid& grid) c
     }
   });
   differentiate(grid, f.drying, f.drying_dx, f.drying_dy, 0.05f);
-  differentiate(grid, f.patina, f.patina_dx, f.patina_dy, 0.5f);
+  differentiate(grid, f.patina, f.patina_dx, f.patina_dy, 0.6f);
+  const float rim_mm = std::max(kRimMm, 0.7f * grid.texel_mm);
+  for (std::size_t k = 0; k < f.patina.size(); ++k) {
+    const float slope = std::hypot(f.patina_dx[k], f.patina_dy[k]);
+    f.patina_inverse_width[k] = 1 / std::min(std::hypot(kRimTime, rim_mm * slope), 0.3f);
+    const float gentle = std::min(1.0f, 0.10f / std::max(slope, 1e-6f));
+    f.patina_dx[k] *= gentle;
+    f.patina_dy[k] *= gentle;
+  }
   differentiate(grid, f.relief, f.relief_dx, f.relief_dy, 2.0f);
+  differentiate(grid, f.pool, f.pool_dx, f.pool_dy, 1.0f);
   differentiate(grid, f.crust, f.crust_dx, f.crust_dy, 2.0f);
   return std::make_shared<CopperSurface>(grid.size.width, std::move(f));
 }
