@@ -12,13 +12,10 @@ using ::testing::HasSubstr;
 const std::string kPlan = sourceFolder() / "examples/quick/plan.toml";
 
 TEST(Output, JsonIsOneObjectWithSchemaAndItems) {
-  const Finished finished = runPatina({"plan", "check", kPlan, "--json"});
-  ASSERT_EQ(finished.exit, 0) << finished.err;
-  const auto answer = parsed(finished.out);
-  ASSERT_TRUE(answer.is_object()) << finished.out;
-  EXPECT_EQ(answer["schema"], "patina.plan.check/1");
-  ASSERT_TRUE(answer["items"].is_array());
-  EXPECT_EQ(answer["items"][0]["interval_ns"], 600'000'000'000);
+  const JsonAnswer answer = answerOf(runPatina({"plan", "check", kPlan, "--json"}));
+  EXPECT_EQ(answer.text("/schema"), "patina.plan.check/1");
+  EXPECT_EQ(answer.size("/items"), 1);
+  EXPECT_EQ(answer.number("/items/0/interval_ns"), 600e9);
 }
 
 TEST(Output, PeopleReadUnitsInsteadOfNanoseconds) {
@@ -30,16 +27,15 @@ TEST(Output, PeopleReadUnitsInsteadOfNanoseconds) {
 TEST(Output, AnErrorUnderJsonIsOneObjectOnTheErrorStream) {
   const Finished finished = runPatina({"plan", "check", "no such plan.toml", "--json"});
   EXPECT_EQ(finished.out, "");
-  const auto answer = parsed(finished.err);
-  ASSERT_TRUE(answer.is_object()) << finished.err;
-  EXPECT_EQ(answer["error"]["exit"], finished.exit);
-  EXPECT_THAT(answer["error"]["message"].get<std::string>(), HasSubstr("no such plan.toml"));
+  const JsonAnswer answer(finished.err);
+  EXPECT_EQ(answer.number("/error/exit"), finished.exit) << finished.err;
+  EXPECT_THAT(answer.text("/error/message"), HasSubstr("no such plan.toml"));
 }
 
 TEST(Output, AUsageErrorUnderJsonIsJsonToo) {
   const Finished finished = runPatina({"plan", "check", "--json", "--wilt"});
   EXPECT_EQ(finished.exit, 64);
-  EXPECT_EQ(parsed(finished.err)["error"]["exit"], 64) << finished.err;
+  EXPECT_EQ(JsonAnswer(finished.err).number("/error/exit"), 64) << finished.err;
 }
 
 }  // namespace
