@@ -28,7 +28,8 @@ constexpr std::array kKinds{KindName{FaultKind::kHang, "hang"},
                             KindName{FaultKind::kLampDead, "lamp_dead"},
                             KindName{FaultKind::kLampDrift, "lamp_drift"},
                             KindName{FaultKind::kLampStep, "lamp_step"},
-                            KindName{FaultKind::kSensorSilent, "sensor_silent"}};
+                            KindName{FaultKind::kSensorSilent, "sensor_silent"},
+                            KindName{FaultKind::kPowerCut, "power_cut"}};
 
 std::vector<std::string> kindNames() {
   std::vector<std::string> names;
@@ -97,6 +98,12 @@ void checkAgainst(const FaultPlan& plan, const RigSpec& rig) {
   for (const auto& [id, device] : devices) ids.push_back(id);
 
   for (const Fault& fault : plan.faults) {
+    if ((fault.kind == FaultKind::kPowerCut) != (fault.device == kWholeRig)) {
+      throw ConfigError(plan.source, fault.line, "fault.kind",
+                        "power_cut happens to the whole rig, and nothing else does: it goes with "
+                        "device = \"rig\"");
+    }
+    if (fault.kind == FaultKind::kPowerCut) continue;
     const auto found = devices.find(fault.device);
     if (found == devices.end()) {
       const std::string nearest = nearestWord(fault.device, ids);

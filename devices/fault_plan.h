@@ -28,8 +28,12 @@ enum class FaultKind {
   kLampDrift,
   kLampStep,
   // sensors
-  kSensorSilent
+  kSensorSilent,
+  // the whole rig (device "rig"): the power fails, what was not synced is lost. Rehearsals only.
+  kPowerCut
 };
+// The device of a power cut.
+constexpr const char* kWholeRig = "rig";
 
 // A lamp's fault without a duration lasts until the end of the run.
 constexpr Nanoseconds kFaultForEver = std::chrono::hours(24 * 4000);

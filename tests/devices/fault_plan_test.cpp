@@ -105,5 +105,11 @@ TEST(FaultPlan, AFaultMustFitADeviceOfTheRig) {
   EXPECT_EQ(errorOf(fault("key", "lost", "") + fault("lux0", "hang", "")), "");
 }
 
+TEST(FaultPlan, APowerCutHappensToTheWholeRigAndNothingElseDoes) {
+  EXPECT_EQ(errorOf(fault("rig", "power_cut", "duration = \"70min\"\n")), "");
+  EXPECT_THAT(errorOf(fault("cam0", "power_cut", "")), HasSubstr("device = \"rig\""));
+  EXPECT_THAT(errorOf(fault("rig", "hang", "")), HasSubstr("whole rig"));
+}
+
 }  // namespace
 }  // namespace patina::devices
