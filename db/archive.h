@@ -100,12 +100,17 @@ class ArchiveReader {
   std::filesystem::path pathOf(const FrameRow& frame) const;
   Bytes read(const FrameRow& frame) const;  // checks the hash: kBadData when it does not match
 
+  struct State;  // of db/ itself
+
  private:
-  struct State;
+  friend class Archive;
+  explicit ArchiveReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
 // The one owner (flock, dies with the process). Opens or creates, migrates, recovers. Thread-bound.
+// After DiskFull the archive goes on as soon as there is room. After a kIo of journal or catalogue
+// it refuses every further change: end the process (or make a new Archive), which recovers.
 class Archive {
  public:
   explicit Archive(const ArchiveOptions& options);
@@ -120,23 +125,31 @@ class Archive {
   void setRunState(const std::string& run_id, const std::string& state);
   std::optional<RunState> runState(const std::string& run_id) const;
 
-  RowId beginStep(const StepRow& step);  // decision pending; or a decided one, whole
-  void finishStep(const StepRow& step);  // by id
-  RowId armShot(const ShotRow& shot);    // before the trigger
+  void addDevice(const DeviceRow& device);  // or update; a shot's or reading's device is added bare
+  // A decided step is committed whole. A pending one is written by the next commit of any kind
+  // (armShot, as a rule): a crash before that leaves no trace of it.
+  RowId beginStep(const StepRow& step);
+  void addSteps(std::span<const StepRow> decided);  // many in one transaction: gaps, imports
+  void finishStep(const StepRow& step);             // by id
+  RowId armShot(const ShotRow& shot);               // before the trigger
   // All files of one shot in one transaction with the shot's row and its verdicts. The promise.
+  // With `finished`, the step's finishStep() rides in the same transaction: one commit less.
   std::vector<FrameRow> acknowledge(const ShotRow& shot, std::span<const PendingFrame> frames,
-                                    std::span<const LightCheckRow> checks, UtcTime now);
+                                    std::span<const LightCheckRow> checks, UtcTime now,
+                                    const StepRow* finished = nullptr);
   void failShot(const ShotRow& shot, const std::string& reason);
   void addLightChecks(std::span<const LightCheckRow> checks);
   void addReading(const ReadingRow& reading);
+  void addReadings(std::span<const ReadingRow> readings);
   void addEvent(const EventRow& event);
   // Bytes that are no frame, kept with a name that says why: quarantine/<sha256>.<ext>.
   void quarantine(std::span<const std::byte> bytes, const std::string& ext, const EventRow& why);
 
   Space space() const;
 
+  struct State;  // of db/ itself
+
  private:
-  struct State;
   std::unique_ptr<State> state_;
 };
 

@@ -25,6 +25,12 @@ class File {
   virtual std::int64_t size() = 0;
 };
 
+// Held until destroyed, or until the process dies.
+class FileLock {
+ public:
+  virtual ~FileLock() = default;
+};
+
 struct Space {
   std::uint64_t free_bytes = 0, total_bytes = 0;
 };
@@ -43,6 +49,11 @@ class FileOps {
   virtual int makeFolder(const std::filesystem::path& folder) = 0;  // -EEXIST is an answer
   virtual int remove(const std::filesystem::path& path) = 0;
   virtual int space(const std::filesystem::path& folder, Space* out) = 0;
+  // One owner a file: creates `path` when needed; -EWOULDBLOCK when another process has it.
+  virtual int lock(const std::filesystem::path& path, std::unique_ptr<FileLock>* out) = 0;
+  // 1 when the folder lies on NFS, SMB and their like, where locks and memory maps cannot be
+  // trusted; 0 when it does not.
+  virtual int isNetwork(const std::filesystem::path& folder) = 0;
   // Puts a file that SQLite opened under the same regime. The real disk returns it as it is.
   virtual std::unique_ptr<File> adopt(const std::filesystem::path& path,
                                       std::unique_ptr<File> file) = 0;

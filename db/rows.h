@@ -26,6 +26,12 @@ struct RunRow {
   std::uint64_t seed = 1;
   std::string state;                   // "running" "finished" "stopped" "aborted" "imported"
   Nanoseconds interval{}, duration{};  // zero when unknown (import by times)
+  std::string rig;                     // its name in the rig file
+};
+struct DeviceRow {
+  std::string id;    // as the rig calls it: "cam0"
+  std::string kind;  // "camera" "light" "sensor" "trigger"
+  std::string backend, serial, description;
 };
 
 enum class Decision { kPending, kCaptured, kSkipped, kMissed, kFailed, kHeld };
@@ -46,6 +52,7 @@ struct StepRow {
 
 enum class ShotState { kArmed, kCaptured, kFailed, kLost };
 const char* name(ShotState s);
+ShotState parseShotState(const std::string& text);
 struct ShotRow {
   RowId id = 0, step_id = 0;
   std::string device_id, light_state;
@@ -67,6 +74,7 @@ struct FrameRow {
   MonoTime mono;
   UtcTime acked_utc;
   double saturated_fraction = 0;
+  bool missing = false;  // its file is gone: found by recovery, rebuild; never acknowledged so
 };
 struct ReadingRow {
   RowId id = 0;

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What an open Archive is made of, shared by the files that implement it. Internal to db/.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "db/archive.h"
+#include "db/catalogue_read.h"
+#include "db/catalogue_write.h"
+#include "db/frame_store.h"
+#include "db/journal.h"
+#include "db/journal_lines.h"
+
+namespace patina::db {
+
+// Rows of one transaction: the journal's lines and what is done to the tables.
+struct Change {
+  enum class How { kInsert, kUpsert, kSettleShot, kFinishStep };
+  template <class Row>
+  void add(How how, const Row& row) {
+    lines.add(row);
+    rows.emplace_back(how, row);
+  }
+  JournalLines lines;
+  std::vector<std::pair<How, AnyRow>> rows;
+};
+void apply(CatalogueWriter& writer, const Change& change);
+
+// One transaction on rows that belong to no run, beside other processes that may do the same:
+// `fill` runs under SQLite's write lock. What a dead process left in the journal is taken over.
+void commitShared(Database& database, CatalogueWriter& writer, Journal& shared, FileOps& files,
+                  const std::filesystem::path& archive,
+                  const std::function<void(Change&, CatalogueWriter&)>& fill);
+
+struct NextIds {
+  RowId step = 1, shot = 1, frame = 1, reading = 1, light_check = 1, event = 1;
+};
+
+struct Archive::State {
+  ArchiveOptions options;
+  FileOps* files = nullptr;
+  std::unique_ptr<FileLock> lock;
+  std::shared_ptr<Database> database;
+  std::unique_ptr<CatalogueWriter> writer;
+  std::unique_ptr<ArchiveReader> reader;
+  std::unique_ptr<FrameStore> store;
+  std::unique_ptr<Journal> run_journal, shared_journal;
+  RecoveryReport report;
+  NextIds next;
+  std::optional<StepRow> deferred;  // begun, pending, in no table yet
+  std::set<std::string> devices;    // that have a row
+  RowId known_step = 0;             // whose run is known_run
+  std::string known_run;
+  bool broken = false;
+
+  void point(CommitPoint p) const {
+    if (options.at_point) options.at_point(p);
+  }
+  void checkUsable() const;
+  Journal& journalOf(const std::string& run_id);  // empty: the shared one
+  std::string runOfStep(RowId step_id);
+  void ensureDevice(const std::string& id, const char* kind);
+  void insertDevice(const DeviceRow& device);
+
+  // Begins a change of a run's rows with the deferred step, when it is of that run.
+  Change changeOf(const std::string& run_id) const;
+  // Journal, fsync, BEGIN, rows, COMMIT. On failure nothing of it remains.
+  void commit(const std::string& run_id, Change& change);
+  // The same for rows that say why we stop: when the disk is full, the reserve gives way.
+  void commitSmall(const std::string& run_id, Change& change);
+  void commitJournal(Journal& journal, const Change& change,
+                     const std::function<void()>& journal_synced);
+  RowId addEvent(const EventRow& event);
+
+  void keepReserve();  // a file that can be given up, so that the end can be noted on a full disk
+  bool giveUpReserve();
+
+  void open();  // folders, probe, lock, tables
+  void loadIds();
+};
+
+// Brings catalogue, journal and frames together after a death at any point; may die itself and be
+// run again. Looks only at the journals' tails and at what is newer than they are.
+void recover(Archive::State& state);
+
+}  // namespace patina::db

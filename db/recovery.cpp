@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "db/recovery.h"
+
+#include <algorithm>
+
+#include "db/errors.h"
+#include "db/journal_rewrite.h"
+
+namespace patina::db {
+namespace {
+
+using How = Change::How;
+
+int sweepTemporaries(FileOps& files, const std::filesystem::path& archive) {
+  int swept = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(archive / "tmp")) {
+    checkDisk(files.remove(entry.path()), "sweeping", entry.path());
+    ++swept;
+  }
+  return swept;
+}
+
+std::int64_t sizeOf(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return error ? 0 : static_cast<std::int64_t>(size);
+}
+
+const FrameRecord* frameOf(const AnyRow& row) { return std::get_if<FrameRecord>(&row); }
+
+bool isWhole(const std::filesystem::path& archive, const FrameRow& frame) {
+  const auto path = archive / framePath(frame.sha256, frame.ext);
+  if (sizeOf(path) != frame.bytes || !std::filesystem::exists(path)) return false;
+  try {
+    return sha256OfFile(path) == frame.sha256;
+  } catch (const ProcessingError&) {
+    return false;
+  }
+}
+
+// The last transaction may have been written before its frames found their places; it was not
+// acknowledged then, and goes.
+void dropUnplaced(const std::filesystem::path& archive, JournalTail& tail) {
+  if (tail.batches.empty()) return;
+  const auto& rows = tail.batches.back().rows;
+  const bool placed = std::ranges::all_of(rows, [&](const AnyRow& row) {
+    return frameOf(row) == nullptr || isWhole(archive, frameOf(row)->row);
+  });
+  if (!placed) tail.batches.pop_back();
+}
+
+void cut(FileOps& files, const std::filesystem::path& path, std::int64_t size) {
+  std::unique_ptr<File> file;
+  checkDisk(files.open(path, FileOps::Mode::kUpdate, &file), "opening", path);
+  checkDisk(file->truncate(size), "cutting", path);
+  checkDisk(file->sync(), "syncing", path);
+}
+
+class Recovery {
+ public:
+  explicit Recovery(Archive::State& state) : s_(state), archive_(state.options.folder) {}
+
+  void run() {
+    s_.report.tmp_swept = sweepTemporaries(*s_.files, archive_);
+    auto tails = readTails(*s_.files, archive_, *s_.database, *s_.writer);
+    for (JournalTail& tail : tails) dropUnplaced(archive_, tail);
+    // Before anything is written to a journal: its time tells which frames are newer.
+    const auto orphans =
+        quarantineOrphans(*s_.files, archive_, *s_.database, tails, OrphanSearch::kNewest);
+    merge(tails);
+    s_.loadIds();
+    const UtcTime last = lastKnownTime();
+    for (const std::string& name : orphans)
+      s_.addEvent({0, {}, last, "quarantine", "frames file without a row: " + name});
+    s_.report.frames_quarantined = static_cast<int>(orphans.size());
+    loseArmedShots();
+    checkNewestFrames();
+  }
+
+ private:
+  void merge(const std::vector<JournalTail>& tails) {
+    std::map<std::string, std::int64_t> marks;
+    for (const JournalTail& tail : tails) {
+      const std::int64_t whole = tail.batches.empty() ? tail.mark : tail.batches.back().end;
+      if (tail.size < tail.mark)
+        marks[tail.name] = rewriteJournal(*s_.files, archive_, *s_.database, tail.name);
+      else if (whole < tail.size)
+        cut(*s_.files, journalPath(archive_, tail.name), whole);
+      if (!tail.batches.empty()) marks[tail.name] = whole;
+    }
+    if (marks.empty()) return;
+    // One transaction: the lines of a run refer to the shared journal's, and those to runs'.
+    Transaction transaction(*s_.database);
+    s_.database->run("PRAGMA defer_foreign_keys=ON");
+    for (const JournalTail& tail : tails)
+      for (const JournalBatch& batch : tail.batches)
+        for (const AnyRow& row : batch.rows) {
+          s_.writer->replay(row);
+          ++s_.report.rows_from_journal;
+          if (frameOf(row)) ++s_.report.frames_adopted;
+        }
+    for (const auto& [name, bytes] : marks) s_.writer->mark(name, bytes);
+    transaction.commit();
+  }
+
+  // Recovery reads no clock: its events carry the last time the archive knows.
+  UtcTime lastKnownTime() const {
+    return utcFromNs(s_.database->number(
+        "SELECT max((SELECT coalesce(max(utc_ns), 0) FROM (SELECT utc_ns FROM event ORDER BY id "
+        "DESC LIMIT 1)), (SELECT coalesce(max(acked_utc_ns), 0) FROM (SELECT acked_utc_ns FROM "
+        "frame ORDER BY id DESC LIMIT 1)))"));
+  }
+
+  void loseArmedShots() {
+    std::vector<ShotRow> armed;
+    {
+      Statement statement(*s_.database, sqlOf(Query::kArmedShots));
+      while (statement.step()) armed.push_back(readRow<ShotRow>(statement));
+    }
+    for (ShotRow shot : armed) {
+      const std::string run_id = s_.runOfStep(shot.step_id);
+      shot.state = ShotState::kLost;
+      Change change;
+      change.add(How::kSettleShot, shot);
+      change.add(How::kInsert, EventRow{s_.next.event++, run_id, shot.began_utc, "shot_lost",
+                                        shot.device_id + " " + shot.light_state +
+                                            ": the process ended before its frame was committed"});
+      s_.commit(run_id, change);
+      ++s_.report.shots_lost;
+    }
+  }
+
+  // `verify` looks at all of them; a start looks at those that a power cut could have reached.
+  void checkNewestFrames() {
+    std::vector<FrameRecord> newest;
+    {
+      Statement statement(*s_.database, "SELECT " + columnList<FrameRecord>() +
+                                            " FROM frame ORDER BY id DESC LIMIT 64");
+      while (statement.step()) newest.push_back(readRow<FrameRecord>(statement));
+    }
+    for (FrameRecord& frame : newest) {
+      const auto path = framePath(frame.row.sha256, frame.row.ext);
+      const bool gone = sizeOf(archive_ / path) != frame.row.bytes;
+      if (gone) ++s_.report.frames_missing;
+      if (gone == frame.row.missing) continue;
+      frame.row.missing = gone;
+      Change change;
+      change.add(How::kUpsert, frame);
+      change.add(How::kInsert, EventRow{s_.next.event++, frame.run_id, frame.row.acked_utc,
+                                        gone ? "frame_missing" : "frame_found", path.string()});
+      s_.commit(frame.run_id, change);
+    }
+  }
+
+  Archive::State& s_;
+  std::filesystem::path archive_;
+};
+
+}  // namespace
+
+std::vector<JournalTail> readTails(FileOps& files, const std::filesystem::path& archive,
+                                   Database& database, CatalogueWriter& writer) {
+  std::set<std::string> names;
+  for (const auto& name : journalNames(archive)) names.insert(name);
+  {
+    Statement marks(database, "SELECT journal FROM journal_mark");
+    while (marks.step()) names.emplace(marks.text(0));
+  }
+  std::vector<JournalTail> tails;
+  for (const auto& name : names) {
+    JournalTail tail{name, writer.markOf(name), sizeOf(journalPath(archive, name)), {}};
+    if (tail.size > tail.mark)
+      scanJournal(files, journalPath(archive, name), tail.mark, tail.size,
+                  [&](JournalBatch&& batch) {
+                    if (batch.bad_lines == 0) tail.batches.push_back(std::move(batch));
+                  });
+    if (tail.size != tail.mark) tails.push_back(std::move(tail));
+  }
+  return tails;
+}
+
+void recover(Archive::State& state) { Recovery(state).run(); }
+
+}  // namespace patina::db

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Brings catalogue, journals and frames together again. Internal to db/.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "db/archive_state.h"
+
+namespace patina::db {
+
+// What one journal holds behind its mark in the catalogue.
+struct JournalTail {
+  std::string name;
+  std::int64_t mark = 0, size = 0;  // size < mark: the journal lost what the catalogue has
+  std::vector<JournalBatch> batches;
+};
+std::vector<JournalTail> readTails(FileOps& files, const std::filesystem::path& archive,
+                                   Database& database, CatalogueWriter& writer);
+
+// A file below frames/ as its hash and extension; nothing when its name is no such thing.
+struct StoredName {
+  Sha256 sha256;
+  std::string ext;
+};
+std::optional<StoredName> parseFramePath(const std::filesystem::path& path);
+
+// Moves frame files that no row and no line of a tail knows to quarantine/. With `everywhere`
+// false only folders that changed after the journals did are looked into: a frame that was placed
+// and not journalled is newer than the last line. Answers the names of what was moved.
+enum class OrphanSearch { kNewest, kEverywhere };
+std::vector<std::string> quarantineOrphans(FileOps& files, const std::filesystem::path& archive,
+                                           Database& database,
+                                           const std::vector<JournalTail>& tails,
+                                           OrphanSearch search);
+
+}  // namespace patina::db
