@@ -51,7 +51,14 @@ Archive::Archive(const ArchiveOptions& options) : state_(std::make_unique<State>
   state_->options = options;
   state_->options.folder = std::filesystem::absolute(options.folder).lexically_normal();
   state_->files = options.files ? options.files : &realFileOps();
-  state_->open();
+  state_->prepare();
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(state_->options.folder / "catalog.sqlite", error);
+  if ((error || bytes == 0) && !journalNames(state_->options.folder).empty()) {
+    Progress silent;
+    rebuildCatalogue(*state_, silent);
+  }
+  state_->openCatalogue();
   recover(*state_);
 }
 

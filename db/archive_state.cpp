@@ -200,7 +200,7 @@ void Archive::State::keepReserve() {
 
 bool Archive::State::giveUpReserve() { return files->remove(options.folder / "reserve") == 0; }
 
-void Archive::State::open() {
+void Archive::State::prepare() {
   const auto& folder = options.folder;
   makeFolders(*files, folder);
   for (const char* name : {"tmp", "journal", "frames", "products"}) {
@@ -209,6 +209,10 @@ void Archive::State::open() {
   }
   lock = takeLock(*files, folder, options.owner);
   probeFileSystem(*files, folder, options.allow_network_file_system);
+}
+
+void Archive::State::openCatalogue() {
+  const auto& folder = options.folder;
   database =
       std::make_shared<Database>(folder / "catalog.sqlite", Database::Access::kCreate, *files);
   configureWriter(*database, options.mutant == ArchiveOptions::Mutant::kSynchronousNormal

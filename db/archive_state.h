@@ -81,12 +81,17 @@ struct Archive::State {
   void keepReserve();  // a file that can be given up, so that the end can be noted on a full disk
   bool giveUpReserve();
 
-  void open();  // folders, probe, lock, tables
+  void prepare();        // folders, lock, probe
+  void openCatalogue();  // after prepare()
   void loadIds();
 };
 
 // Brings catalogue, journal and frames together after a death at any point; may die itself and be
 // run again. Looks only at the journals' tails and at what is newer than they are.
 void recover(Archive::State& state);
+// Of the `limit` newest frames: whose file is gone is marked so, whose is back is no longer.
+void markMissing(Archive::State& state, std::int64_t limit);
+// catalog.sqlite anew from the journals, exchanged whole. Between prepare() and openCatalogue().
+void rebuildCatalogue(Archive::State& state, Progress& progress);
 
 }  // namespace patina::db

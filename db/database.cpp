@@ -53,8 +53,8 @@ Exit exitOf(int code) {
   }
 }
 
-// "file:...?immutable=1" with everything escaped that is not plainly a path.
-std::string immutableUri(const std::filesystem::path& file) {
+// "file:...?" with everything escaped that is not plainly a path.
+std::string uriOf(const std::filesystem::path& file, const char* query) {
   std::string uri = "file:";
   for (const char c : file.string()) {
     const auto byte = static_cast<unsigned char>(c);
@@ -66,14 +66,15 @@ std::string immutableUri(const std::filesystem::path& file) {
       uri += "0123456789ABCDEF"[byte & 0xf];
     }
   }
-  return uri + "?immutable=1";
+  return uri + query;
 }
 
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Access access, FileOps& files)
     : file_(file), vfs_(std::make_unique<SqliteVfs>(files)) {
-  const std::string name = access == Access::kReadImmutable ? immutableUri(file) : file.string();
+  const std::string name =
+      access == Access::kReadImmutable ? uriOf(file, "?immutable=1") : file.string();
   const int code = sqlite3_open_v2(name.c_str(), &handle_, openFlags(access), vfs_->name());
   if (code != SQLITE_OK) {
     sqlite3* broken = std::exchange(handle_, nullptr);
@@ -84,7 +85,8 @@ Database::Database(const std::filesystem::path& file, Access access, FileOps& fi
 }
 
 Database::Database(Scratch) : file_("scratch") {
-  const int code = sqlite3_open_v2("", &handle_, openFlags(Access::kCreate), nullptr);
+  const int code =
+      sqlite3_open_v2("", &handle_, openFlags(Access::kCreate) | SQLITE_OPEN_URI, nullptr);
   if (code != SQLITE_OK) {
     sqlite3* broken = std::exchange(handle_, nullptr);
     sqlite3_close(broken);
@@ -109,6 +111,21 @@ void Database::fail(int code, const std::string& doing) {
   if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB)
     what += "; 'patina archive rebuild' makes it anew from journal and frames";
   throw ArchiveError(exitOf(code), what);
+}
+
+void Database::attach(const std::filesystem::path& file, const std::string& as) {
+  const auto attachAs = [&](const char* query) {
+    Statement statement(*this, "ATTACH ? AS " + as);
+    statement.bind(1, uriOf(file, query)).run();
+    number("SELECT count(*) FROM " + as + ".sqlite_schema");
+  };
+  try {
+    attachAs("?mode=ro");
+  } catch (const ArchiveError& e) {
+    if (e.exit() != Exit::kCannotCreate) throw;
+    sqlite3_exec(handle_, ("DETACH " + as).c_str(), nullptr, nullptr, nullptr);
+    attachAs("?immutable=1");  // a read-only medium
+  }
 }
 
 void Database::run(const std::string& sql) {

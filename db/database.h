@@ -29,6 +29,8 @@ class Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
+  // Another database beside this one, read-only, under a name of its own.
+  void attach(const std::filesystem::path& file, const std::string& as);
   void run(const std::string& sql);  // any number of statements, no rows
   std::int64_t number(const std::string& sql);
   int changes() const;

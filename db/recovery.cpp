@@ -38,23 +38,22 @@ bool isWhole(const std::filesystem::path& archive, const FrameRow& frame) {
   }
 }
 
-// The last transaction may have been written before its frames found their places; it was not
-// acknowledged then, and goes.
-void dropUnplaced(const std::filesystem::path& archive, JournalTail& tail) {
-  if (tail.batches.empty()) return;
-  const auto& rows = tail.batches.back().rows;
-  const bool placed = std::ranges::all_of(rows, [&](const AnyRow& row) {
+}  // namespace
+
+bool hasItsFrames(const std::filesystem::path& archive, const JournalBatch& batch) {
+  return std::ranges::all_of(batch.rows, [&](const AnyRow& row) {
     return frameOf(row) == nullptr || isWhole(archive, frameOf(row)->row);
   });
-  if (!placed) tail.batches.pop_back();
 }
 
-void cut(FileOps& files, const std::filesystem::path& path, std::int64_t size) {
+void cutJournal(FileOps& files, const std::filesystem::path& path, std::int64_t size) {
   std::unique_ptr<File> file;
   checkDisk(files.open(path, FileOps::Mode::kUpdate, &file), "opening", path);
   checkDisk(file->truncate(size), "cutting", path);
   checkDisk(file->sync(), "syncing", path);
 }
+
+namespace {
 
 class Recovery {
  public:
@@ -63,7 +62,11 @@ class Recovery {
   void run() {
     s_.report.tmp_swept = sweepTemporaries(*s_.files, archive_);
     auto tails = readTails(*s_.files, archive_, *s_.database, *s_.writer);
-    for (JournalTail& tail : tails) dropUnplaced(archive_, tail);
+    // The last lines may have been written before their frames found their places; they were not
+    // acknowledged then, and go.
+    for (JournalTail& tail : tails)
+      if (!tail.batches.empty() && !hasItsFrames(archive_, tail.batches.back()))
+        tail.batches.pop_back();
     // Before anything is written to a journal: its time tells which frames are newer.
     const auto orphans =
         quarantineOrphans(*s_.files, archive_, *s_.database, tails, OrphanSearch::kNewest);
@@ -74,7 +77,9 @@ class Recovery {
       s_.addEvent({0, {}, last, "quarantine", "frames file without a row: " + name});
     s_.report.frames_quarantined = static_cast<int>(orphans.size());
     loseArmedShots();
-    checkNewestFrames();
+    // `verify` looks at all of them; a start looks at those that a power cut could have reached.
+    constexpr std::int64_t kNewest = 64;
+    markMissing(s_, kNewest);
   }
 
  private:
@@ -85,7 +90,7 @@ class Recovery {
       if (tail.size < tail.mark)
         marks[tail.name] = rewriteJournal(*s_.files, archive_, *s_.database, tail.name);
       else if (whole < tail.size)
-        cut(*s_.files, journalPath(archive_, tail.name), whole);
+        cutJournal(*s_.files, journalPath(archive_, tail.name), whole);
       if (!tail.batches.empty()) marks[tail.name] = whole;
     }
     if (marks.empty()) return;
@@ -130,28 +135,6 @@ class Recovery {
     }
   }
 
-  // `verify` looks at all of them; a start looks at those that a power cut could have reached.
-  void checkNewestFrames() {
-    std::vector<FrameRecord> newest;
-    {
-      Statement statement(*s_.database, "SELECT " + columnList<FrameRecord>() +
-                                            " FROM frame ORDER BY id DESC LIMIT 64");
-      while (statement.step()) newest.push_back(readRow<FrameRecord>(statement));
-    }
-    for (FrameRecord& frame : newest) {
-      const auto path = framePath(frame.row.sha256, frame.row.ext);
-      const bool gone = sizeOf(archive_ / path) != frame.row.bytes;
-      if (gone) ++s_.report.frames_missing;
-      if (gone == frame.row.missing) continue;
-      frame.row.missing = gone;
-      Change change;
-      change.add(How::kUpsert, frame);
-      change.add(How::kInsert, EventRow{s_.next.event++, frame.run_id, frame.row.acked_utc,
-                                        gone ? "frame_missing" : "frame_found", path.string()});
-      s_.commit(frame.run_id, change);
-    }
-  }
-
   Archive::State& s_;
   std::filesystem::path archive_;
 };
@@ -177,6 +160,32 @@ std::vector<JournalTail> readTails(FileOps& files, const std::filesystem::path& 
     if (tail.size != tail.mark) tails.push_back(std::move(tail));
   }
   return tails;
+}
+
+void markMissing(Archive::State& s, std::int64_t limit) {
+  std::vector<FrameRecord> changed;
+  s.report.frames_missing = 0;
+  {
+    Statement statement(*s.database, "SELECT " + columnList<FrameRecord>() +
+                                         " FROM frame ORDER BY id DESC LIMIT ?");
+    statement.bind(1, limit);
+    while (statement.step()) {
+      auto frame = readRow<FrameRecord>(statement);
+      const auto path = s.options.folder / framePath(frame.row.sha256, frame.row.ext);
+      const bool gone = sizeOf(path) != frame.row.bytes;
+      if (gone) ++s.report.frames_missing;
+      if (gone != frame.row.missing) changed.push_back(std::move(frame));
+    }
+  }
+  for (FrameRecord& frame : changed) {
+    frame.row.missing = !frame.row.missing;
+    Change change;
+    change.add(How::kUpsert, frame);
+    change.add(How::kInsert, EventRow{s.next.event++, frame.run_id, frame.row.acked_utc,
+                                      frame.row.missing ? "frame_missing" : "frame_found",
+                                      framePath(frame.row.sha256, frame.row.ext).string()});
+    s.commit(frame.run_id, change);
+  }
 }
 
 void recover(Archive::State& state) { Recovery(state).run(); }

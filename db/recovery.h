@@ -19,6 +19,9 @@ struct JournalTail {
 };
 std::vector<JournalTail> readTails(FileOps& files, const std::filesystem::path& archive,
                                    Database& database, CatalogueWriter& writer);
+// Whether every frame of a transaction lies in its place with the bytes it should have.
+bool hasItsFrames(const std::filesystem::path& archive, const JournalBatch& batch);
+void cutJournal(FileOps& files, const std::filesystem::path& journal, std::int64_t size);
 
 // A file below frames/ as its hash and extension; nothing when its name is no such thing.
 struct StoredName {
@@ -27,9 +30,9 @@ struct StoredName {
 };
 std::optional<StoredName> parseFramePath(const std::filesystem::path& path);
 
-// Moves frame files that no row and no line of a tail knows to quarantine/. With `everywhere`
-// false only folders that changed after the journals did are looked into: a frame that was placed
-// and not journalled is newer than the last line. Answers the names of what was moved.
+// Moves frame files that no row and no line of a tail knows to quarantine/. kNewest looks only into
+// folders that changed after the journals did: a frame that was placed and not journalled is newer
+// than the last line. Answers the names of what was moved.
 enum class OrphanSearch { kNewest, kEverywhere };
 std::vector<std::string> quarantineOrphans(FileOps& files, const std::filesystem::path& archive,
                                            Database& database,

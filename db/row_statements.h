@@ -6,6 +6,7 @@
 
 #include "db/cells.h"
 #include "db/database.h"
+#include "db/journal_lines.h"
 
 namespace patina::db {
 
@@ -20,7 +21,10 @@ class RowBinder {
   void null() { statement_.bindNull(next_++); }
   void integer(std::int64_t v) { statement_.bind(next_++, v); }
   void real(double v) { statement_.bind(next_++, v); }
-  void text(std::string_view v) { statement_.bind(next_++, v); }
+  void text(std::string_view v) {
+    std::string copy;
+    statement_.bind(next_++, validText(v, copy));
+  }
 
  private:
   Statement& statement_;
