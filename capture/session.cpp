@@ -12,76 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr std::size_t kRowsACommit = 10'000;
+
 Now nowOf(const devices::Clock& clock) { return {clock.utc(), clock.mono(), clock.bootId()}; }
-
-bool unfinished(const db::RunRow& run) { return run.state == "running" || run.state == "stopped"; }
-
-std::string freeRunId(const db::ArchiveReader& reader, UtcTime t0, const std::string& specimen) {
-  const std::string base = formatUtcCompact(t0) + "-" + specimen;
-  const auto runs = reader.runs();
-  std::string id = base;
-  for (int n = 2; std::any_of(runs.begin(), runs.end(), [&](const auto& r) { return r.id == id; });
-       ++n)
-    id = base + "-" + std::to_string(n);
-  return id;
-}
-
-db::EventRow eventRow(const std::string& run_id, UtcTime utc, std::string kind,
-                      std::string detail) {
-  db::EventRow row;
-  row.run_id = run_id;
-  row.utc = utc;
-  row.kind = std::move(kind);
-  row.detail = std::move(detail);
-  return row;
-}
-
-}  // namespace
-
-RunStart startRun(const Plan& plan, const devices::RigSpec& rig, db::Archive& archive,
-                  devices::Clock& clock, const SessionOptions& options) {
-  checkAgainst(plan, rig);
-  const auto runs = archive.reader().runs();
-  for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
-    if (!unfinished(*run) || run->specimen != plan.specimen) continue;
-    if (options.new_run) {
-      archive.addEvent(eventRow(run->id, clock.utc(), "aborted", "a new run was asked for"));
-      archive.setRunState(run->id, "aborted");
-      continue;
-    }
-    if (run->plan_sha256 == plan.sha256) return {run->id, run->t0_utc, true};
-    throw CaptureError(Exit::kTemporary,
-                       "run " + run->id + " is unfinished and was started with another plan than " +
-                           plan.source.string() +
-                           " is now: a run never changes its plan. Go on with the plan as it was "
-                           "(`patina archive show " +
-                           run->id + "` prints it), or start a new run with --new-run");
-  }
-  RunStart start;
-  start.t0_utc = options.t0_utc.value_or(
-      plan.start_utc && *plan.start_utc > clock.utc() ? *plan.start_utc : clock.utc());
-  start.run_id = freeRunId(archive.reader(), start.t0_utc, plan.specimen);
-  const ScheduleState schedule = beginSchedule(start.t0_utc, nowOf(clock));
-  db::RunRow run;
-  run.id = start.run_id;
-  run.specimen = plan.specimen;
-  run.plan_toml = plan.toml;
-  run.plan_sha256 = plan.sha256;
-  run.rig_toml = rig.toml;
-  run.boot_id = clock.bootId();
-  run.t0_utc = start.t0_utc;
-  run.t0_boot = schedule.anchor.mono;
-  run.seed = plan.seed;
-  run.state = "running";
-  run.interval = plan.interval;
-  run.duration = plan.duration;
-  db::SpecimenRow specimen;
-  specimen.name = plan.specimen;
-  archive.beginRun(run, specimen);
-  return start;
-}
-
-namespace {
 
 class Session {
  public:
@@ -114,8 +47,7 @@ class Session {
     }
     runner_.end();
     if (end == "finished" && disk_full_) end = "disk";
-    retryRows();
-    archive_.setRunState(run_id_, end == "stopped" ? "stopped" : "finished");
+    if (retryRows()) archive_.setRunState(run_id_, end == "stopped" ? "stopped" : "finished");
     SessionSummary summary;
     tell(end);
     summary.last = status_;
@@ -132,17 +64,19 @@ class Session {
   void act(const Decision& d);
   void wait(const Decision& d);
   void shoot(const Decision& d);
+  void shootRow(db::StepRow& row, MonoTime slot_end);
   void shootByHand(const Decision& waiting_for);
   void decideWithout(const Decision& d, db::Decision decision, const std::string& reason);
   bool diskHasRoom();
   void diskIsFull(const std::string& why);
-  void writeRow(db::StepRow row);
   bool retryRows();
+  void record(const db::StepRow& row) {
+    runner_.log().step(row);
+    count(row);
+  }
   void count(const db::StepRow& row);
   void tell(const std::string& note);
-  void anchorEvent() {
-    archive_.addEvent(eventRow(run_id_, clock_.utc(), "anchor", formatAnchor(state_.anchor)));
-  }
+  void tryEvent(const std::string& kind, const std::string& detail);
 
   const Plan& plan_;
   db::Archive& archive_;
@@ -176,7 +110,7 @@ void Session::takeUp() {
                 begun ? "at step " + std::to_string(state_.next_number) +
                             (resumption.note.empty() ? "" : "; " + resumption.note)
                       : "plan " + plan_.sha256);
-  if (resumption.rebooted) anchorEvent();
+  if (resumption.rebooted) runner_.event("anchor", formatAnchor(state_.anchor));
   if (!begun) state_.awake_mono = clock_.mono();
   if (left->unfinished) finishInterrupted(*left->unfinished);
   if (begun) {
@@ -238,9 +172,9 @@ void Session::watchClock() {
   const Now now = nowOf(clock_);
   if (const auto step = clockStep(state_, now)) {
     acceptClockStep(state_, *step);
-    runner_.event("clock_step", "wall time stepped by " + std::to_string(toSeconds(*step)) +
-                                    " s; steps keep their rhythm");
-    anchorEvent();
+    tryEvent("clock_step", "wall time stepped by " + std::to_string(toSeconds(*step)) +
+                               " s; steps keep their rhythm");
+    tryEvent("anchor", formatAnchor(state_.anchor));
   }
 }
 
@@ -277,10 +211,15 @@ bool Session::diskHasRoom() {
 void Session::diskIsFull(const std::string& why) {
   if (disk_full_) return;
   disk_full_ = true;
+  tryEvent("disk", "no new captures: " + why);
+}
+
+// A full disk has no room to be told about; what can be written later is.
+void Session::tryEvent(const std::string& kind, const std::string& detail) {
   try {
-    runner_.event("disk", "no new captures: " + why);
+    runner_.event(kind, detail);
   } catch (const db::DiskFull&) {
-    // The next one that finds room says it.
+    disk_full_ = true;
   }
 }
 
@@ -289,25 +228,21 @@ bool Session::retryRows() {
   try {
     runner_.settle();
     while (!unwritten_.empty()) {
-      db::StepRow& row = unwritten_.front();
-      if (row.id == 0)
-        archive_.beginStep(row);
-      else
-        archive_.finishStep(row);
-      unwritten_.erase(unwritten_.begin());
+      if (unwritten_.front().id != 0) {
+        archive_.finishStep(unwritten_.front());
+        unwritten_.erase(unwritten_.begin());
+        continue;
+      }
+      const auto begun = std::find_if(unwritten_.begin(), unwritten_.end(),
+                                      [](const db::StepRow& row) { return row.id != 0; });
+      archive_.addSteps(std::span(unwritten_.begin(), begun));
+      unwritten_.erase(unwritten_.begin(), begun);
     }
     return true;
   } catch (const db::DiskFull& full) {
     diskIsFull(full.what());
     return false;
   }
-}
-
-void Session::writeRow(db::StepRow row) {
-  runner_.log().step(row);
-  count(row);
-  unwritten_.push_back(std::move(row));
-  retryRows();
 }
 
 void Session::decideWithout(const Decision& d, db::Decision decision, const std::string& reason) {
@@ -325,10 +260,29 @@ void Session::decideWithout(const Decision& d, db::Decision decision, const std:
       row.reason +=
           " by " + std::to_string((now - dueMono(plan_, state_, k)).count() / 1'000'000) + " ms";
     row.shots_due = runner_.shotsDue();
-    writeRow(std::move(row));
+    record(row);
+    unwritten_.push_back(std::move(row));
+    if (unwritten_.size() >= kRowsACommit) retryRows();
   }
+  retryRows();
   state_.awake_mono = now;
   tell(std::string(db::name(decision)) + " " + std::to_string(d.count) + " steps: " + reason);
+}
+
+void Session::shootRow(db::StepRow& row, MonoTime slot_end) {
+  bool written = false;
+  try {
+    row.id = archive_.beginStep(row);
+    written = runner_.run(row, slot_end);
+  } catch (const db::DiskFull& full) {
+    row.decision = db::Decision::kSkipped;
+    row.reason = "disk";
+    diskIsFull(full.what());
+  }
+  record(row);
+  if (written) return;
+  unwritten_.push_back(row);
+  retryRows();
 }
 
 void Session::shoot(const Decision& d) {
@@ -349,16 +303,8 @@ void Session::shoot(const Decision& d) {
   row.number = d.number;
   row.due_utc = d.due_utc;
   row.shots_due = runner_.shotsDue();
-  try {
-    row.id = archive_.beginStep(row);
-    runner_.run(row, d.due_mono + plan_.interval);
-  } catch (const db::DiskFull& full) {
-    row.decision = db::Decision::kSkipped;
-    row.reason = "disk";
-    diskIsFull(full.what());
-  }
+  shootRow(row, d.due_mono + plan_.interval);
   state_.next_number = d.number + 1;
-  writeRow(row);
   state_.awake_mono = clock_.mono();
   tell(row.reason);
 }
@@ -369,15 +315,7 @@ void Session::shootByHand(const Decision& waiting_for) {
   row.due_utc = clock_.utc();
   row.shots_due = runner_.shotsDue();
   if (!diskHasRoom()) return tell("no manual shot: the disk is full");
-  try {
-    row.id = archive_.beginStep(row);
-    runner_.run(row, std::max(waiting_for.due_mono, clock_.mono() + plan_.interval));
-  } catch (const db::DiskFull& full) {
-    row.decision = db::Decision::kSkipped;
-    row.reason = "disk";
-    diskIsFull(full.what());
-  }
-  writeRow(row);
+  shootRow(row, std::max(waiting_for.due_mono, clock_.mono() + plan_.interval));
   tell("manual shot");
 }
 

@@ -89,6 +89,7 @@ std::vector<StepRunner::Group> StepRunner::groups() {
 }
 
 void StepRunner::readSensors() {
+  std::vector<db::ReadingRow> rows;
   for (const auto& sensor : rig_.sensors) {
     const auto& caps = sensor->caps();
     db::ReadingRow row;
@@ -109,8 +110,9 @@ void StepRunner::readSensors() {
       alerts_.raise("sensor " + caps.id, reading.error().what, clock_.utc());
       static_cast<void>(sensor->recover());
     }
-    archive_.addReading(row);
+    rows.push_back(std::move(row));
   }
+  if (!rows.empty()) archive_.addReadings(rows);
 }
 
 std::vector<SensorSample> StepRunner::sensorSamples(bool lux) {
@@ -188,7 +190,7 @@ bool StepRunner::waitForLight() {
   return clock_.sleepUntil(due, hooks_.stop) == devices::Wake::kDue;
 }
 
-void StepRunner::run(db::StepRow& step, MonoTime slot_end) {
+bool StepRunner::run(db::StepRow& step, MonoTime slot_end) {
   now_ = Progress{};
   now_.step = &step;
   now_.slot_end = slot_end;
@@ -210,12 +212,13 @@ void StepRunner::run(db::StepRow& step, MonoTime slot_end) {
     fine = ambientIsFine();
   }
   lamps_.rest();
-  if (now_.held_since) step.held = clock_.mono() - *now_.held_since;
-  decide();
+  if (!now_.row_written) decide(step);
+  held_steps_ = step.decision == db::Decision::kHeld ? held_steps_ + 1 : 0;
+  return now_.row_written;
 }
 
-void StepRunner::decide() {
-  db::StepRow& step = *now_.step;
+void StepRunner::decide(db::StepRow& step) const {
+  if (now_.held_since) step.held = clock_.mono() - *now_.held_since;
   if (now_.first_shot) step.spread = *now_.last_shot - *now_.first_shot;
   if (step.shots_captured == step.shots_due) {
     step.decision = db::Decision::kCaptured;
@@ -230,7 +233,6 @@ void StepRunner::decide() {
     step.decision = db::Decision::kHeld;
     step.reason = now_.light_trouble;
   }
-  held_steps_ = step.decision == db::Decision::kHeld ? held_steps_ + 1 : 0;
 }
 
 void StepRunner::settle() {

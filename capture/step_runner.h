@@ -40,9 +40,10 @@ class StepRunner {
   void end();        // lamps off
   void keepAwake();  // between steps: drains events, so that no camera falls asleep
 
-  // Shoots the step and fills in its decision. The caller has begun its row and finishes it.
+  // Shoots the step and fills in its decision. The caller has begun its row, and finishes it when
+  // the answer is false: a whole step's row rides in the commit of its last frame.
   // DiskFull: some shots may be taken; settle() later.
-  void run(db::StepRow& step, MonoTime slot_end);
+  bool run(db::StepRow& step, MonoTime slot_end);
   // After DiskFull: what was in flight becomes failed rows, when there is room again.
   void settle();
   void event(const std::string& kind, const std::string& detail);
@@ -70,6 +71,7 @@ class StepRunner {
     MonoTime slot_end;
     std::optional<MonoTime> held_since, first_shot, last_shot;
     std::string device_trouble, light_trouble;
+    bool row_written = false;
   };
 
   std::vector<Group> groups();
@@ -88,7 +90,7 @@ class StepRunner {
   void dropCamerasThatAreDown(Group& group);
   bool timeFor(const Group& group) const;
   bool waitForLight();
-  void decide();
+  void decide(db::StepRow& step) const;
   std::vector<SensorSample> sensorSamples(bool lux);
 
   const Plan& plan_;

@@ -145,18 +145,23 @@ void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheck
     p.saturated_fraction = f.saturated_fraction;
     pending.push_back(p);
   }
+  const MonoTime mid = pending.front().mono;
+  now_.first_shot = now_.first_shot ? std::min(*now_.first_shot, mid) : mid;
+  now_.last_shot = now_.last_shot ? std::max(*now_.last_shot, mid) : mid;
+  db::StepRow step = *now_.step;
+  const bool whole = ++step.shots_captured == step.shots_due;
+  if (whole) decide(step);
   a.shot.state = db::ShotState::kCaptured;
-  const auto rows = archive_.acknowledge(a.shot, pending, checks, clock_.utc());
+  const auto rows =
+      archive_.acknowledge(a.shot, pending, checks, clock_.utc(), whole ? &step : nullptr);
+  *now_.step = step;
+  now_.row_written = whole;
   std::erase_if(in_flight_, [&](const db::ShotRow& s) { return s.id == a.shot.id; });
   std::erase(group.todo, a.unit);
-  ++now_.step->shots_captured;
   for (const db::FrameRow& row : rows) {
     log_.frame(a.shot, row);
     if (hooks_.on_acknowledged) hooks_.on_acknowledged(row);
   }
-  const MonoTime mid = pending.front().mono;
-  now_.first_shot = now_.first_shot ? std::min(*now_.first_shot, mid) : mid;
-  now_.last_shot = now_.last_shot ? std::max(*now_.last_shot, mid) : mid;
 
   a.unit->frames().remember(a.check);
   a.unit->succeeded();

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Devices that do as the test says, for what the twin cannot do on order.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/camera.h"
+#include "devices/light.h"
+
+namespace patina::capture {
+
+class FakeCamera final : public devices::Camera {
+ public:
+  explicit FakeCamera(std::string id = "cam0") {
+    caps_.id = std::move(id);
+    caps_.size = {16, 12};
+    caps_.bits = 8;
+    caps_.extensions = {"jpg"};
+    caps_.cycle = std::chrono::milliseconds(100);
+  }
+  const devices::CameraCaps& caps() const override { return caps_; }
+  devices::Result<devices::Applied> configure(const devices::Exposure& e) override {
+    configured.push_back(e);
+    return devices::Applied{applied.value_or(e)};
+  }
+  devices::Result<devices::Ticket> trigger(const devices::ShotRequest& r) override {
+    devices::Ticket t;
+    t.key = r.key;
+    t.sequence = r.sequence;
+    return t;
+  }
+  devices::Result<std::vector<devices::RawFrame>> collect(const devices::Ticket&,
+                                                          MonoTime) override {
+    return std::vector<devices::RawFrame>{};
+  }
+  devices::Result<void> release(const devices::RawFrame&) override { return {}; }
+  devices::Result<std::vector<devices::CameraEvent>> poll() override {
+    return std::vector<devices::CameraEvent>{};
+  }
+  devices::Result<void> recover(devices::Rung rung) override {
+    rungs.push_back(rung);
+    return {};
+  }
+
+  devices::CameraCaps caps_;
+  std::optional<devices::Exposure> applied;  // what the hardware does instead
+  std::vector<devices::Exposure> configured;
+  std::vector<devices::Rung> rungs;
+};
+
+class FakeLight final : public devices::Light {
+ public:
+  explicit FakeLight(std::string id, bool confirms = false) {
+    caps_.id = std::move(id);
+    caps_.confirms = confirms;
+  }
+  const devices::LightCaps& caps() const override { return caps_; }
+  devices::Result<void> set(double to) override {
+    if (failures > 0) {
+      --failures;
+      return devices::fail(devices::Errc::kLost, "light '" + caps_.id + "': gone");
+    }
+    level = stuck ? level : to;
+    return {};
+  }
+  devices::Result<std::optional<bool>> isOn() override { return std::optional<bool>(level > 0); }
+  devices::Result<void> recover() override {
+    ++recovered;
+    return {};
+  }
+
+  devices::LightCaps caps_;
+  double level = 0;
+  int failures = 0, recovered = 0;
+  bool stuck = false;
+};
+
+}  // namespace patina::capture

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/light_gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace patina::capture {
+namespace {
+
+using namespace std::chrono_literals;
+using calibration::LightVerdict;
+using ::testing::HasSubstr;
+
+const UtcTime kStart = parseUtc("2024-05-01");
+
+// One camera with a patch, one lux sensor, one light.
+struct Room {
+  LightGate gate;
+  double patch = 1, lux = 1, spread = 0.01, saturated = 0;
+  bool with_lux = true;
+  int shots = 0;
+  std::string state = "key";
+
+  explicit Room(LightCheck check = {}, std::vector<devices::SensorSpec> sensors = {})
+      : gate(check, sensors, "run") {}
+  LightSample sample() {
+    LightSample s;
+    s.light_state = state;
+    s.utc = kStart + ++shots * 10min;
+    PatchSample p;
+    p.camera = "cam0";
+    p.level.channels = 3;
+    p.level.level = {0.30 * patch, 0.40 * patch, 0.35 * patch};
+    p.level.spread = {spread, spread, spread};
+    p.level.saturated_fraction = saturated;
+    p.shot_id = shots;
+    s.patches = {p};
+    if (with_lux) {
+      SensorSample l;
+      l.id = "lux0";
+      l.reading.value = 800 * lux;
+      s.sensors = {l};
+    }
+    return s;
+  }
+  GateVerdict shoot() { return gate.judge(sample()); }
+  Room& learn() {
+    for (int i = 0; i < 4; ++i) EXPECT_FALSE(shoot().blocks);
+    return *this;
+  }
+};
+
+std::string verdictOf(const GateVerdict& v, const std::string& source) {
+  for (const auto& row : v.rows)
+    if (row.source == source) return row.verdict;
+  return "none";
+}
+
+TEST(LightGate, WritesOneRowAChannelAndSource) {
+  Room room;
+  const GateVerdict v = room.learn().shoot();
+  ASSERT_EQ(v.rows.size(), 4u);
+  EXPECT_EQ(v.rows[1].channel, "g");
+  EXPECT_EQ(v.rows[1].source, "patch:cam0");
+  EXPECT_NEAR(v.rows[1].level, 0.40, 1e-9);
+  EXPECT_NEAR(v.rows[1].baseline, 0.40, 1e-9);
+  EXPECT_NEAR(v.rows[1].ratio, 1, 1e-9);
+  EXPECT_EQ(v.rows[1].verdict, "pass");
+  EXPECT_EQ(v.rows[3].channel, "lx");
+  EXPECT_EQ(v.summary, "key 1.000 pass");
+  EXPECT_TRUE(v.reason.empty());
+}
+
+TEST(LightGate, HoldsWhenPatchAndSensorSeeTheStepAndGoesOnWhenItIsOver) {
+  Room room;
+  room.learn();
+  room.patch = room.lux = 0.95;
+  for (int i = 0; i < 3; ++i) {
+    const GateVerdict v = room.shoot();
+    EXPECT_TRUE(v.blocks);
+    EXPECT_EQ(v.worst, LightVerdict::kHold);
+    EXPECT_THAT(v.reason, HasSubstr("-5.0 %"));
+    for (const auto& row : v.rows) EXPECT_EQ(row.verdict, "hold");
+  }
+  room.patch = room.lux = 1;
+  EXPECT_FALSE(room.shoot().blocks);
+}
+
+TEST(LightGate, HoldsOnOneColourAlone) {
+  Room room;
+  room.with_lux = false;
+  room.learn();
+  LightSample s = room.sample();
+  s.patches[0].level.level[2] *= 1.05;
+  const GateVerdict v = room.gate.judge(s);
+  EXPECT_TRUE(v.blocks);
+  EXPECT_THAT(v.reason, HasSubstr("patch:cam0 b +5.0 %"));
+}
+
+TEST(LightGate, StoresTheGainThatUndoesADrift) {
+  Room room;
+  room.learn();
+  GateVerdict v;
+  for (int i = 1; i <= 40; ++i) {
+    room.patch = room.lux = 1 + 0.001 * i;
+    v = room.shoot();
+    ASSERT_FALSE(v.blocks);
+  }
+  EXPECT_EQ(v.rows[0].verdict, "correct");
+  EXPECT_NEAR(v.rows[0].gain * 1.04, 1, 0.0005);
+}
+
+TEST(LightGate, KeepsLightStatesAndExposuresApart) {
+  Room room;
+  room.learn();
+  room.state = "fill";
+  room.patch = 0.5;
+  room.lux = 0.5;
+  EXPECT_EQ(verdictOf(room.shoot(), "patch:cam0"), "learn");
+}
+
+TEST(LightGate, LetsShotsWithoutLightPass) {
+  Room room;
+  room.learn();
+  room.state = "off";
+  room.patch = room.lux = 0;
+  const GateVerdict v = room.shoot();
+  EXPECT_FALSE(v.blocks);
+  EXPECT_TRUE(v.rows.empty());
+}
+
+TEST(LightGate, MeasuresAndNeverHoldsWhenTheLightIsNotControlled) {
+  LightCheck check;
+  check.mode = LightMode::kUncontrolled;
+  Room room(check);
+  for (const double level : {1.0, 0.1, 3.0, 0.0}) {
+    room.patch = room.lux = level;
+    const GateVerdict v = room.shoot();
+    EXPECT_FALSE(v.blocks);
+    EXPECT_EQ(v.rows.size(), 4u);
+    for (const auto& row : v.rows) EXPECT_EQ(row.verdict, "measure");
+  }
+}
+
+TEST(LightGate, NamesACoveredPatchWhenTheSensorSaysLightAndTakesTheShot) {
+  Room room;
+  room.learn();
+  room.patch = 0.2;
+  const GateVerdict v = room.shoot();
+  EXPECT_FALSE(v.blocks);
+  EXPECT_EQ(verdictOf(v, "patch:cam0"), "covered");
+  EXPECT_EQ(verdictOf(v, "sensor:lux0"), "pass");
+  EXPECT_THAT(v.reason, HasSubstr("patch:cam0 is covered"));
+  room.patch = 1;  // uncovered: nothing was learned meanwhile
+  EXPECT_EQ(verdictOf(room.shoot(), "patch:cam0"), "pass");
+}
+
+TEST(LightGate, NamesAPatchThatIsPartlyCoveredByItsSpread) {
+  Room room;
+  room.with_lux = false;
+  room.learn();
+  room.spread = 0.2;
+  const GateVerdict v = room.shoot();
+  EXPECT_TRUE(v.blocks);  // nobody vouches for the light
+  EXPECT_EQ(verdictOf(v, "patch:cam0"), "covered");
+}
+
+TEST(LightGate, HoldsWhilePatchAndSensorDisagreeAndNamesThePatch) {
+  Room room;
+  room.learn();
+  room.patch = 0.93;
+  const GateVerdict v = room.shoot();
+  EXPECT_TRUE(v.blocks);
+  EXPECT_EQ(verdictOf(v, "patch:cam0"), "at_odds");
+  EXPECT_EQ(verdictOf(v, "sensor:lux0"), "hold");
+  EXPECT_THAT(v.reason, HasSubstr("patch:cam0 (-7.0 %) is at odds with sensor:lux0 (+0.0 %)"));
+}
+
+TEST(LightGate, BelievesThePatchWhenTheSensorAloneMoved) {
+  Room room;
+  room.learn();
+  room.lux = 0.5;
+  const GateVerdict v = room.shoot();
+  EXPECT_FALSE(v.blocks);
+  EXPECT_EQ(verdictOf(v, "sensor:lux0"), "at_odds");
+  EXPECT_THAT(v.reason, HasSubstr("sensor:lux0"));
+}
+
+TEST(LightGate, NamesASaturatedPatchAndGoesOn) {
+  Room room;
+  room.with_lux = false;
+  room.saturated = 0.5;
+  for (int i = 0; i < 5; ++i) {
+    const GateVerdict v = room.shoot();
+    EXPECT_FALSE(v.blocks);
+    EXPECT_EQ(verdictOf(v, "patch:cam0"), "saturated");
+    EXPECT_THAT(v.reason, HasSubstr("saturated"));
+  }
+}
+
+TEST(LightGate, HoldsOutsideTheBandOfAnySensorEvenWithoutLight) {
+  devices::SensorSpec spec;
+  spec.id = "air";
+  spec.quantity = devices::Quantity::kTemperature;
+  spec.band = {18, 24};
+  Room room({}, {spec});
+  room.state = "off";
+  LightSample s = room.sample();
+  SensorSample air;
+  air.id = "air";
+  air.quantity = devices::Quantity::kTemperature;
+  air.reading.value = 25.5;
+  s.sensors.push_back(air);
+  const GateVerdict v = room.gate.judge(s);
+  EXPECT_TRUE(v.blocks);
+  EXPECT_THAT(v.reason, HasSubstr("temperature air: 25.5 degC outside 18 to 24"));
+  s.sensors.back().reading.value = 20;
+  EXPECT_FALSE(room.gate.judge(s).blocks);
+}
+
+TEST(LightGate, GoesOnFromItsRowsAsIfItHadNeverStopped) {
+  Room room;
+  std::vector<db::LightCheckRow> rows;
+  for (int i = 0; i < 30; ++i) {
+    room.patch = room.lux = 1 + 0.002 * i + (i == 20 ? 0.1 : 0);
+    for (const auto& row : room.shoot().rows) rows.push_back(row);
+  }
+  Room after;
+  after.gate.restore(rows);
+  after.shots = room.shots;
+  after.patch = after.lux = room.patch = room.lux = 1.06;
+  const auto a = room.shoot(), b = after.shoot();
+  ASSERT_EQ(a.rows.size(), b.rows.size());
+  for (std::size_t i = 0; i < a.rows.size(); ++i) {
+    EXPECT_EQ(a.rows[i].verdict, b.rows[i].verdict);
+    EXPECT_NEAR(a.rows[i].gain, b.rows[i].gain, 1e-12);
+  }
+}
+
+TEST(LightGate, GoesOnLearningAfterARestart) {
+  Room room, after;
+  std::vector<db::LightCheckRow> rows;
+  for (int i = 0; i < 2; ++i)
+    for (const auto& row : room.shoot().rows) rows.push_back(row);
+  after.gate.restore(rows);
+  after.shots = 2;
+  EXPECT_EQ(verdictOf(after.shoot(), "patch:cam0"), "learn");
+  EXPECT_EQ(verdictOf(after.shoot(), "patch:cam0"), "pass");
+}
+
+}  // namespace
+}  // namespace patina::capture
