@@ -125,4 +125,14 @@ std::unique_ptr<Sensor> withFaults(std::unique_ptr<Sensor> sensor, const FaultPl
   return std::make_unique<FaultySensor>(std::move(sensor), std::move(script));
 }
 
+Rig withFaults(Rig rig, const FaultPlan& plan, MonoTime start, Clock& clock, FaultReport* report) {
+  const auto wrap = [&](auto& devices) {
+    for (auto& device : devices) device = withFaults(std::move(device), plan, start, clock, report);
+  };
+  wrap(rig.cameras);
+  wrap(rig.lights);
+  wrap(rig.sensors);
+  return rig;
+}
+
 }  // namespace patina::devices

@@ -53,5 +53,8 @@ std::unique_ptr<Light> withFaults(std::unique_ptr<Light> light, const FaultPlan&
                                   MonoTime start, Clock& clock, FaultReport* report = nullptr);
 std::unique_ptr<Sensor> withFaults(std::unique_ptr<Sensor> sensor, const FaultPlan& plan,
                                    MonoTime start, Clock& clock, FaultReport* report = nullptr);
+// Every camera, light and sensor of a rig.
+Rig withFaults(Rig rig, const FaultPlan& plan, MonoTime start, Clock& clock,
+               FaultReport* report = nullptr);
 
 }  // namespace patina::devices

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/contract/backends.h"
+
+#include "devices/fault/faulty_devices.h"
+#include "devices/twin/twin.h"
+#include "tests/contract/stub_devices.h"
+
+namespace patina::testing {
+namespace {
+
+using namespace patina::devices;
+using namespace std::chrono_literals;
+
+constexpr UtcTime kStart = utcFromNs(1'714'564'800'000'000'000);
+
+// Every backend's rig has the same ids, so that one fault plan fits all.
+constexpr const char* kTwinRig = R"(
+camera = [{ id = "cam0", backend = "twin", settings = { format = "FORMAT" } }]
+light = [{ id = "key", backend = "twin" }]
+sensor = [{ id = "lux0", backend = "twin", quantity = "illuminance" },
+          { id = "air0", backend = "twin", quantity = "temperature" }]
+[twin]
+size = "64x48"
+)";
+
+RigUnderTest makeStub() {
+  RigUnderTest made{std::make_unique<VirtualClock>(kStart), {}};
+  made.rig.cameras.push_back(makeStubCamera("cam0", *made.clock));
+  made.rig.lights.push_back(makeStubLight("key"));
+  made.rig.sensors.push_back(makeStubSensor("lux0", *made.clock));
+  return made;
+}
+
+RigUnderTest makeTwin(const std::string& format) {
+  RigUnderTest made{std::make_unique<VirtualClock>(kStart), {}};
+  std::string toml = kTwinRig;
+  toml.replace(toml.find("FORMAT"), 6, format);
+  twin::TwinOptions options;
+  options.duration = 24h;
+  options.start_utc = kStart;
+  made.rig = twin::makeTwinRig(parseRig(toml, "twin.toml"), options, *made.clock);
+  return made;
+}
+
+}  // namespace
+
+RigUnderTest makeWithFaults(const Backend& backend, const FaultPlan& plan) {
+  RigUnderTest made = backend.make();
+  made.rig = withFaults(std::move(made.rig), plan, made.clock->mono(), *made.clock);
+  return made;
+}
+
+std::vector<Backend> bareBackends() {
+  return {{"Stub", makeStub},
+          {"TwinDng", [] { return makeTwin("dng"); }},
+          {"TwinRawAndJpeg", [] { return makeTwin("raw+jpeg"); }}};
+}
+
+std::vector<Backend> bareAndWrappedBackends() {
+  std::vector<Backend> all = bareBackends();
+  FaultPlan far;
+  for (const char* device : {"cam0", "key", "lux0"}) {
+    for (const FaultKind kind : {FaultKind::kLost, FaultKind::kHang, FaultKind::kStaleFrame}) {
+      Fault fault;
+      fault.at = 24h * 3000;
+      fault.device = device;
+      fault.kind = kind;
+      far.faults.push_back(fault);
+    }
+  }
+  for (const Backend& bare : bareBackends()) {
+    all.push_back({bare.name + "Wrapped", [bare, far] { return makeWithFaults(bare, far); }});
+  }
+  return all;
+}
+
+}  // namespace patina::testing
