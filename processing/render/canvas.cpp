@@ -85,6 +85,11 @@ Contour strokeOf(Point a, Point b, double width) {
   return {{a.x - nx, a.y - ny}, {b.x - nx, b.y - ny}, {b.x + nx, b.y + ny}, {a.x + nx, a.y + ny}};
 }
 
+bool turnsSharply(Point a, Point b, Point c) {
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - b.x, vy = c.y - b.y;
+  return ux * vx + uy * vy < 0.8 * std::hypot(ux, uy) * std::hypot(vx, vy);
+}
+
 // The pieces of a line that are drawn when `dash` pixels are on and as many off.
 std::vector<Contour> dashesOf(const Contour& points, double dash) {
   std::vector<Contour> out;
@@ -181,8 +186,10 @@ void Canvas::line(const std::vector<Point>& points, double width_px, Colour colo
     for (std::size_t i = 1; i < piece.size(); ++i)
       if (auto stroke = strokeOf(piece[i - 1], piece[i], width_px); !stroke.empty())
         shapes.push_back(std::move(stroke));
+    // A round joint adds its soft border to that of the strokes: only where a corner needs one.
     for (std::size_t i = 1; i + 1 < piece.size() && width_px > 1; ++i)
-      shapes.push_back(discOf(piece[i], width_px / 2));
+      if (turnsSharply(piece[i - 1], piece[i], piece[i + 1]))
+        shapes.push_back(discOf(piece[i], width_px / 2));
   }
   fill(shapes, colour);
 }

@@ -27,9 +27,11 @@ struct Range {
 // The values' range with room around them, unless the chart fixes an end.
 Range finished(Range r, std::optional<double> low, std::optional<double> high, double margin) {
   if (r.empty()) r = {low.value_or(high.value_or(1) - 1), high.value_or(low.value_or(0) + 1)};
-  double room = (r.high - r.low) * margin;
-  if (!(r.high > r.low)) room = std::max(std::abs(r.low) * 0.05, 1e-9);
-  r = {low.value_or(r.low - room), high.value_or(r.high + room)};
+  r = {low.value_or(r.low), high.value_or(r.high)};
+  const double room =
+      r.high > r.low ? (r.high - r.low) * margin : std::max(std::abs(r.low) * 0.05, 1e-9);
+  if (!low) r.low -= room;
+  if (!high) r.high += room;
   if (!(r.high > r.low)) r.high = r.low + 1;
   return r;
 }
@@ -49,11 +51,11 @@ class Painter {
   void paint() {
     measure();
     layOut();
+    axes();
     for (const ChartSpan& s : chart_.spans)
       area(placeX(s.from), top_, placeX(s.to), bottom_, s.colour);
     for (const ChartBand& b : chart_.bands)
       area(left_, placeY(b.high), right_, placeY(b.low), b.colour);
-    axes();
     for (const ChartLine& line : chart_.lines) drawLine(line);
     for (const ChartPoints& points : chart_.points) drawPoints(points);
     if (nothing_)
@@ -115,16 +117,20 @@ class Painter {
   }
   static double entryWidth(const LegendEntry& e) { return 28 + textWidth(e.name, kLabelPx) + 20; }
 
-  // Rows of the legend, each no wider than the plot; the first may share the title's line.
+  // Rows of the legend, each no wider than the plot; it shares the title's line where all fits.
   void layOut() {
     double widest = 0;
     for (const Tick& t : y_ticks_) widest = std::max(widest, textWidth(t.label, kLabelPx));
     left_ = std::round(20 + widest + 8 + (chart_.y_label.empty() ? 0 : 22)) + 0.5;
     right_ = chart_.size.width - 24 + 0.5;
     title_width_ = chart_.title.empty() ? 0 : textWidth(chart_.title, kTitlePx) + 30;
+    std::vector<LegendEntry> entries = legend();
     double used = title_width_;
+    for (const LegendEntry& e : entries) used += entryWidth(e);
     legend_rows_ = {{}};
-    for (LegendEntry& e : legend()) {
+    if (title_width_ > 0 && used > right_ - left_) legend_rows_.push_back({});
+    used = legend_rows_.size() == 1 ? title_width_ : 0;
+    for (LegendEntry& e : entries) {
       if (used + entryWidth(e) > right_ - left_ && used > 0) {
         legend_rows_.push_back({});
         used = 0;

@@ -45,7 +45,8 @@ struct Chart {
   std::vector<ChartBand> bands;
   std::vector<ChartLine> lines;
   std::vector<ChartPoints> points;
-  std::optional<double> x_low, x_high, y_low, y_high;  // nothing: from the values, with a margin
+  // Nothing: from the values, with a margin. Values above or below a fixed end stand at the edge.
+  std::optional<double> x_low, x_high, y_low, y_high;
   SizePx size{1200, 500};
 };
 
