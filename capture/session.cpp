@@ -13,6 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kRowsACommit = 10'000;
+constexpr Nanoseconds kAwakeEvery = 15s, kAskEvery = 250ms;
 
 Now nowOf(const devices::Clock& clock) { return {clock.utc(), clock.mono(), clock.bootId()}; }
 
@@ -193,13 +194,16 @@ void Session::act(const Decision& d) {
   }
 }
 
+// In pieces: a manual shot may be asked for, cameras fall asleep, the wall clock may step.
 void Session::wait(const Decision& d) {
-  state_.awake_mono = clock_.mono();
-  if (hooks_.shoot_now && hooks_.shoot_now->exchange(false)) return shootByHand(d);
-  // In pieces: a manual shot is asked for, cameras fall asleep.
-  const Nanoseconds piece = hooks_.shoot_now ? 250ms : 15s;
-  if (d.due_mono - clock_.mono() > 15s) runner_.keepAwake();
-  clock_.sleepUntil(std::min(d.due_mono, clock_.mono() + piece), hooks_.stop);
+  const MonoTime until = std::min(d.due_mono, clock_.mono() + kAwakeEvery);
+  const Nanoseconds piece = hooks_.shoot_now ? kAskEvery : kAwakeEvery;
+  while (clock_.mono() < until && !hooks_.stop.stop_requested()) {
+    if (hooks_.shoot_now && hooks_.shoot_now->exchange(false)) return shootByHand(d);
+    state_.awake_mono = clock_.mono();
+    clock_.sleepUntil(std::min(until, clock_.mono() + piece), hooks_.stop);
+  }
+  if (until < d.due_mono) runner_.keepAwake();
 }
 
 bool Session::diskHasRoom() {

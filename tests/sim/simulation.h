@@ -17,7 +17,7 @@ namespace patina::testing {
 
 struct SimulationOptions {
   std::string interval = "10min", duration = "2h";
-  std::string plan = {};  // more lines at the top of the plan
+  std::string plan = {};         // more lines at the top of the plan
   std::string light_check = {};  // lines of [light_check]
   std::string lights = R"([["key"]])", exposures = R"(["1/50"])";
   std::string rig = {};  // more tables of the rig
