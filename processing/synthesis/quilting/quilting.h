@@ -2,7 +2,8 @@
 // Cuboid quilting of a time-varying texture after Enrique et al. 2005, sections 5.1 and 5.2: a
 // block is small in space and spans the whole sequence; one seam for all frames (equation 3);
 // blocks are compared in weighted SVD space (equations 4 and 5); real data are copied, never a
-// reconstruction.
+// reconstruction. Beyond the paper: seams are minimum cuts of any shape, and a source region is
+// kept from being shown twice close together.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +16,31 @@
 namespace patina::quilting {
 
 struct QuiltingOptions {
-  SizePx size{1024, 1024};           // of the result
-  SizePx block_px{64, 64};           // width x height; tall for growing things
-  int overlap_px = 0;                // 0: a quarter of the block's smaller side
-  int svd_rank = 15;                 // at most; or fewer where error allows
-  std::optional<double> rank_error;  // relative RMS: rank chosen by error instead
-  double tolerance = 0.1;            // candidates within (1 + tolerance) of the best
+  SizePx size{1024, 1024};                // of the result
+  SizePx block_px{64, 64};                // width x height; tall for growing things
+  int overlap_px = 0;                     // 0: a quarter of the block's smaller side
+  int svd_rank = 15;                      // at most; or fewer where error allows
+  std::optional<double> rank_error = {};  // relative RMS: rank chosen by error instead
+  double tolerance = 0.1;                 // candidates within (1 + tolerance) of the best
+  bool tile = false;                      // the result wraps around, left to right, top to bottom
+  int verbatim_blocks = 4;                // that may go on copying one place of the source, [1,1e6]
+  double repetition_penalty = 1.0;        // on source regions shown nearby; 0: none
   std::uint64_t seed = 1;
   void check(SizePx source) const;  // throws ProcessingError: field, value, range
+  int overlap() const;              // px, the default resolved
 };
 
 // Which source texel each result texel copies: int32 (x, y). The whole result follows from it.
 struct Quilt {
   Image<std::int32_t> source_xy;  // [h][w][2]
-  Image<std::int16_t> block;      // [h][w][1], index of the block placed there
+  Image<std::int32_t> block;      // [h][w][1], index of the block placed there
 };
 struct QuiltingReport {
   int blocks = 0, rank = 0;
-  double svd_error = 0;       // relative RMS of the rank used
-  double seam_cost_mean = 0;  // weighted squared difference along seams, a texel
-  double seam_ratio = 0;      // gradient across seams / gradient inside, mean over frames sampled
+  double svd_error = 0;          // relative RMS of the rank used
+  double seam_cost_mean = 0;     // squared difference of the two sides along seams, a texel
+  double seam_ratio = 0;         // gradient across seams / gradient inside, in feature space
+  double seam_ratio_frames = 0;  // the same in display values, mean over frames sampled (TTF only)
 };
 
 // `features` [h][w][k]: rows of U times the singular values (decomposition/temporal_svd.h).
@@ -48,5 +54,6 @@ QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& option
 
 // Copies: result texel (x,y) of `frame` = frame at source_xy. Multi-threaded.
 Image<std::uint16_t> applyQuilt(ImageView<const std::uint16_t> frame, const Quilt& quilt);
+Image<float> applyQuilt(ImageView<const float> frame, const Quilt& quilt);
 
 }  // namespace patina::quilting

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Keeps a region of the source from being shown twice close together: the eye finds a landmark
+// repeated side by side before it finds any seam.
+#pragma once
+
+#include <vector>
+
+#include "processing/image/image.h"
+
+namespace patina::quilting {
+
+struct PlacedBlock {
+  int x = 0, y = 0;                // corner in the result
+  int source_x = 0, source_y = 0;  // corner in the source
+  int patch = 0;                   // blocks that copy one place without a break share a number
+};
+
+// How strictly: each rule is tried until it leaves corners to choose from.
+enum class Strictness { kNoEcho, kNoNeighbour, kPenaltyOnly };
+
+class RepetitionGuard {
+ public:
+  // `wrap`: size of a result that wraps around, else 0x0. Corners: see OverlapSearch.
+  RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, double penalty, int verbatim_blocks);
+
+  // Weight >= 1 of each source corner for a block at (x,y) of the result; infinity: not allowed.
+  Image<float> weights(int x, int y, Strictness strictness) const;
+  void place(int x, int y, int source_x, int source_y);
+  const std::vector<PlacedBlock>& blocks() const { return blocks_; }
+
+ private:
+  struct Apart {
+    int x, y;
+  };
+  Apart apart(int x, int y, const PlacedBlock& other) const;
+  void stamp(const PlacedBlock& block, int x, int y, Strictness strictness,
+             ImageView<float> weights) const;
+
+  SizePx corners_, block_, wrap_;
+  double penalty_;
+  int verbatim_blocks_;
+  std::vector<PlacedBlock> blocks_;
+  std::vector<int> patch_blocks_;  // how many blocks a patch has
+};
+
+}  // namespace patina::quilting
