@@ -74,18 +74,19 @@ void OverlapSearch::correlateAtLeast(int channels) {
   channel_norm_.resize(channels);
   tbb::parallel_for(from, channels, [&](int c) {
     double norm = 0;
-    channel_[c] = spectra_.forward([&](float* plane) {
+    const auto fill = [&](float* plane) {
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
           const float v = features_.at(x, y, c);
           plane[static_cast<std::size_t>(y) * stride + x] = v;
           norm += static_cast<double>(v) * v;
         }
-    });
+    };
+    spectra_.forward(fill, channel_[c]);
     channel_norm_[c] = std::sqrt(norm);
   });
   double norm = 0;
-  energy_ = spectra_.forward([&](float* plane) {
+  const auto fill = [&](float* plane) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         float& e = energy_plane_[static_cast<std::size_t>(y) * width + x];
@@ -93,18 +94,19 @@ void OverlapSearch::correlateAtLeast(int channels) {
         plane[static_cast<std::size_t>(y) * stride + x] = e;
         norm += static_cast<double>(e) * e;
       }
-  });
+  };
+  spectra_.forward(fill, energy_);
   energy_norm_ = std::sqrt(norm);
   correlated_ = channels;
 }
 
 // |F - T|^2 = |F|^2 - 2 F T + |T|^2 over the leading channels: one inverse transform for all.
-OverlapSearch::Bounds OverlapSearch::lowerBounds(const Overlap& overlap) const {
+double OverlapSearch::lowerBounds(const Overlap& overlap) {
   const int stride = spectra_.padded().width, n = correlated_;
-  std::vector<Spectra::Spectrum> target(n + 1);
   std::vector<double> squares(n + 1);
+  target_.resize(n + 1);
   tbb::parallel_for(0, n + 1, [&](int c) {  // the last is the mask
-    target[c] = spectra_.forward([&](float* plane) {
+    const auto fill = [&](float* plane) {
       forRuns(overlap.known, [&](int y, int first, int end) {
         for (int x = first; x < end; ++x) {
           const float v = c < n ? overlap.target.at(x, y, c) : 1.0f;
@@ -112,34 +114,32 @@ OverlapSearch::Bounds OverlapSearch::lowerBounds(const Overlap& overlap) const {
           squares[c] += static_cast<double>(v) * v;
         }
       });
-    });
+    };
+    spectra_.forward(fill, target_[c]);
   });
 
-  Spectra::Spectrum sum(energy_.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sum.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  sum_.resize(energy_.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sum_.size(), 4096), [&](const auto& range) {
+    const auto add = [&](const Spectra::Spectrum& f, const Spectra::Spectrum& t, float factor) {
       // Written out: operator* of std::complex checks for infinities.
-      const auto correlate = [i](const Spectra::Spectrum& f, const Spectra::Spectrum& t) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const float a = f[i].real(), b = f[i].imag(), p = t[i].real(), q = t[i].imag();
-        return std::complex<float>(a * p + b * q, b * p - a * q);
-      };
-      std::complex<float> v = correlate(energy_, target[n]);
-      for (int c = 0; c < n; ++c) v -= 2.0f * correlate(channel_[c], target[c]);
-      sum[i] = v;
-    }
+        sum_[i] += std::complex<float>(factor * (a * p + b * q), factor * (b * p - a * q));
+      }
+    };
+    std::fill(sum_.begin() + range.begin(), sum_.begin() + range.end(), std::complex<float>());
+    add(energy_, target_[n], 1);
+    for (int c = 0; c < n; ++c) add(channel_[c], target_[c], -2);
   });
+  spectra_.inverse(sum_, bounds_);
 
-  Bounds bounds{spectra_.inverse(sum), 0};
-  double constant = 0;
-  bounds.slack = energy_norm_ * std::sqrt(squares[n]);
+  double constant = 0, slack = energy_norm_ * std::sqrt(squares[n]);
   for (int c = 0; c < n; ++c) {
     constant += squares[c];
-    bounds.slack += 2 * channel_norm_[c] * std::sqrt(squares[c]);
+    slack += 2 * channel_norm_[c] * std::sqrt(squares[c]);
   }
-  bounds.slack *= kRounding;
-  for (float& v : bounds.values) v += static_cast<float>(constant);
-  bounds.slack += 1e-6 * constant;
-  return bounds;
+  for (float& v : bounds_) v += static_cast<float>(constant);
+  return kRounding * (slack + constant);
 }
 
 double OverlapSearch::squaredDistance(const Overlap& overlap, int x, int y) const {
@@ -154,10 +154,10 @@ double OverlapSearch::squaredDistance(const Overlap& overlap, int x, int y) cons
 std::vector<Candidate> OverlapSearch::candidates(const Overlap& overlap, const SearchTerms& terms) {
   PATINA_CHECK(overlap.target.size() == block_ && overlap.known.size() == block_ &&
                overlap.target.channels == features_.channels && terms.tolerance >= 0);
-  const Bounds bounds = lowerBounds(overlap);
+  const double slack = lowerBounds(overlap);
   const int stride = spectra_.padded().width;
   const auto boundOf = [&](int x, int y) {
-    const double least = bounds.values[static_cast<std::size_t>(y) * stride + x] - bounds.slack;
+    const double least = bounds_[static_cast<std::size_t>(y) * stride + x] - slack;
     return weightAt(terms, x, y) * (terms.floor + std::max(0.0, least));
   };
   const auto costOf = [&](int x, int y) {

@@ -48,11 +48,8 @@ class OverlapSearch {
   double squaredDistance(const Overlap& overlap, int x, int y) const;
 
  private:
-  struct Bounds {
-    std::vector<float> values;  // [padded h][padded w]
-    double slack = 0;           // no value is above the true cost by more than this
-  };
-  Bounds lowerBounds(const Overlap& overlap) const;
+  // Fills bounds_; returns by how much a bound may lie above the true cost (rounding).
+  double lowerBounds(const Overlap& overlap);
   void correlateAtLeast(int channels);
 
   ImageView<const float> features_;
@@ -64,6 +61,9 @@ class OverlapSearch {
   std::vector<float> energy_plane_;   // sum of squares of the leading channels, a texel
   Spectra::Spectrum energy_;
   double energy_norm_ = 0;
+  std::vector<Spectra::Spectrum> target_;  // of a query: kept, so that its memory is
+  Spectra::Spectrum sum_;
+  std::vector<float> bounds_;  // [padded h][padded w]
 };
 
 }  // namespace patina::patch

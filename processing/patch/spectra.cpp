@@ -3,7 +3,6 @@
 
 #include <fftw3.h>
 
-#include <cstring>
 #include <mutex>
 
 #include "processing/image/failure.h"
@@ -27,15 +26,8 @@ int quickLength(int n) {
   }
 }
 
-template <class T>
-struct Release {
-  void operator()(T* p) const { fftwf_free(p); }
-};
-template <class T>
-using Buffer = std::unique_ptr<T[], Release<T>>;
-Buffer<float> realBuffer(std::size_t n) { return Buffer<float>(fftwf_alloc_real(n)); }
-Buffer<fftwf_complex> complexBuffer(std::size_t n) {
-  return Buffer<fftwf_complex>(fftwf_alloc_complex(n));
+fftwf_complex* raw(Spectra::Spectrum& bins) {
+  return reinterpret_cast<fftwf_complex*>(bins.data());
 }
 
 }  // namespace
@@ -51,13 +43,14 @@ Spectra::Spectra(SizePx size)
   Plans& p = *plans_;
   p.plane = static_cast<std::size_t>(padded_.width) * padded_.height;
   p.bins = static_cast<std::size_t>(padded_.width / 2 + 1) * padded_.height;
-  const auto plane = realBuffer(p.plane);
-  const auto bins = complexBuffer(p.bins);
+  std::vector<float> plane(p.plane);
+  Spectrum bins(p.bins);
   const std::lock_guard<std::mutex> lock(plannerMutex());
-  p.forward =
-      fftwf_plan_dft_r2c_2d(padded_.height, padded_.width, plane.get(), bins.get(), FFTW_ESTIMATE);
-  p.inverse =
-      fftwf_plan_dft_c2r_2d(padded_.height, padded_.width, bins.get(), plane.get(), FFTW_ESTIMATE);
+  // Unaligned: any vector will do, and the same code runs wherever it lies.
+  p.forward = fftwf_plan_dft_r2c_2d(padded_.height, padded_.width, plane.data(), raw(bins),
+                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
+  p.inverse = fftwf_plan_dft_c2r_2d(padded_.height, padded_.width, raw(bins), plane.data(),
+                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
   PATINA_CHECK(p.forward && p.inverse);
 }
 
@@ -67,27 +60,20 @@ Spectra::~Spectra() {
   fftwf_destroy_plan(plans_->inverse);
 }
 
-// Buffers come from FFTW's own allocator, so that the alignment the plans were made for holds.
-Spectra::Spectrum Spectra::forward(const std::function<void(float*)>& fill) const {
-  const auto plane = realBuffer(plans_->plane);
-  const auto bins = complexBuffer(plans_->bins);
-  std::memset(plane.get(), 0, plans_->plane * sizeof(float));
-  fill(plane.get());
-  fftwf_execute_dft_r2c(plans_->forward, plane.get(), bins.get());
-  const auto* first = reinterpret_cast<const std::complex<float>*>(bins.get());
-  return {first, first + plans_->bins};
+void Spectra::forward(const std::function<void(float*)>& fill, Spectrum& out) const {
+  thread_local std::vector<float> plane;
+  plane.assign(plans_->plane, 0.0f);
+  fill(plane.data());
+  out.resize(plans_->bins);
+  fftwf_execute_dft_r2c(plans_->forward, plane.data(), raw(out));
 }
 
-std::vector<float> Spectra::inverse(Spectrum& spectrum) const {
+void Spectra::inverse(Spectrum& spectrum, std::vector<float>& out) const {
   PATINA_CHECK(spectrum.size() == plans_->bins);
-  const auto bins = complexBuffer(plans_->bins);
-  const auto plane = realBuffer(plans_->plane);
-  std::memcpy(bins.get(), spectrum.data(), plans_->bins * sizeof(fftwf_complex));
-  fftwf_execute_dft_c2r(plans_->inverse, bins.get(), plane.get());
+  out.resize(plans_->plane);
+  fftwf_execute_dft_c2r(plans_->inverse, raw(spectrum), out.data());
   const float scale = 1.0f / static_cast<float>(plans_->plane);
-  std::vector<float> out(plans_->plane);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = plane[i] * scale;
-  return out;
+  for (float& v : out) v *= scale;
 }
 
 }  // namespace patina::patch

@@ -23,10 +23,10 @@ class Spectra {
   Spectra& operator=(const Spectra&) = delete;
 
   SizePx padded() const { return padded_; }
-  // `fill` gets a zeroed plane [height][width] of the padded size.
-  Spectrum forward(const std::function<void(float* plane)>& fill) const;
+  // `fill` gets a zeroed plane [height][width] of the padded size. Both reuse what `out` holds.
+  void forward(const std::function<void(float* plane)>& fill, Spectrum& out) const;
   // The plane of a spectrum, scaled back; the spectrum is destroyed.
-  std::vector<float> inverse(Spectrum& spectrum) const;
+  void inverse(Spectrum& spectrum, std::vector<float>& out) const;
 
  private:
   struct Plans;

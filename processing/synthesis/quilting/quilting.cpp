@@ -16,8 +16,6 @@
 namespace patina::quilting {
 namespace {
 
-constexpr int kCandidatesFew = 32;  // fewer corners allowed than these: a milder rule
-
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
 // Where blocks go along one side: every `step`, the last ones wherever they must lie to cover it.
@@ -176,15 +174,9 @@ class Quilter {
     return found[uniformBelow(draw, found.size())];
   }
 
-  // The strictest rule that leaves a choice.
+  // Where nothing is allowed (a source hardly larger than a block), anything is.
   Image<float> weightsFor(int x, int y) const {
-    for (Strictness s : {Strictness::kNoNeighbour, Strictness::kNoEcho}) {
-      Image<float> weights = guard_.weights(x, y, s);
-      const auto allowed = std::count_if(weights.texels().begin(), weights.texels().end(),
-                                         [](float w) { return std::isfinite(w); });
-      if (allowed >= kCandidatesFew) return weights;
-    }
-    Image<float> weights = guard_.weights(x, y, Strictness::kPenaltyOnly);
+    Image<float> weights = guard_.weights(x, y);
     if (std::none_of(weights.texels().begin(), weights.texels().end(),
                      [](float w) { return std::isfinite(w); }))
       std::fill(weights.texels().begin(), weights.texels().end(), 1.0f);

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/synthesis/quilting/repetition.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 namespace patina::quilting {
 namespace {
 
 constexpr float kForbidden = std::numeric_limits<float>::infinity();
 constexpr double kReachBlocks = 5;   // repetitions farther apart are not looked at
-constexpr double kSideBySide = 2.0;  // blocks: closer is side by side, forbidden
-constexpr double kEcho = 1.0;        // blocks: closer than that is a double image
-constexpr double kShareSeen = 0.1;   // of a block that must come back to be seen as a repetition
-constexpr double kFadeBlocks = 2.5;  // the penalty falls with distance
+constexpr double kSideBySide = 2.0;  // blocks: closer is side by side
+constexpr double kSideBySidePenalty = 16;
+constexpr double kFadeBlocks = 2.5;  // farther apart the penalty falls with distance
+constexpr double kSameCopy = 0.2;    // blocks: closer is no repetition, but the same copy going on
 
 // The displacement between two places of a result that may wrap around: the shortest.
 int shortest(int distance, int wrap) {
@@ -25,18 +28,6 @@ int shortest(int distance, int wrap) {
   return distance;
 }
 
-double forbiddenWithin(Strictness strictness) {
-  switch (strictness) {
-    case Strictness::kNoNeighbour:
-      return kSideBySide;
-    case Strictness::kNoEcho:
-      return kEcho;
-    case Strictness::kPenaltyOnly:
-      return 0;
-  }
-  return 0;
-}
-
 }  // namespace
 
 RepetitionGuard::RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, double penalty,
@@ -45,50 +36,58 @@ RepetitionGuard::RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, doub
       block_(block),
       wrap_(wrap),
       penalty_(penalty),
-      verbatim_blocks_(verbatim_blocks) {}
+      verbatim_blocks_(verbatim_blocks),
+      penalties_(static_cast<int>((kReachBlocks + 1) * block.width) + 1,
+                 static_cast<int>((kReachBlocks + 1) * block.height) + 1, 1) {
+  for (int dy = 0; dy < penalties_.height(); ++dy)
+    for (int dx = 0; dx < penalties_.width(); ++dx) {
+      const double d = std::hypot(dx / double(block.width), dy / double(block.height));
+      const double faded = std::exp(-d * d / (kFadeBlocks * kFadeBlocks));
+      penalties_.at(dx, dy) = static_cast<float>(
+          d < kSameCopy ? -1 : penalty_ * (d < kSideBySide ? kSideBySidePenalty : faded));
+    }
+}
 
 RepetitionGuard::Apart RepetitionGuard::apart(int x, int y, const PlacedBlock& other) const {
   return {shortest(x - other.x, wrap_.width), shortest(y - other.y, wrap_.height)};
 }
 
-Image<float> RepetitionGuard::weights(int x, int y, Strictness strictness) const {
-  Image<float> weights(corners_.width, corners_.height, 1, 1.0f);
+Image<float> RepetitionGuard::weights(int x, int y) const {
+  std::vector<std::pair<const PlacedBlock*, Apart>> near;
   for (const PlacedBlock& block : blocks_) {
     const Apart a = apart(x, y, block);
     if (std::abs(a.x) <= kReachBlocks * block_.width &&
         std::abs(a.y) <= kReachBlocks * block_.height)
-      stamp(block, x, y, strictness, weights.view());
+      near.push_back({&block, a});
   }
+  Image<float> weights(corners_.width, corners_.height, 1, 1.0f);
+  if (!(penalty_ > 0)) return weights;
+  const ImageView<float> view = weights.view();
+  tbb::parallel_for(0, corners_.height, [&](int corner_y) {
+    for (const auto& [block, a] : near) stampRow(*block, a, corner_y, view.row(corner_y));
+  });
   return weights;
 }
 
-// A corner c shows, `apart` from where `block` shows it, the part of the source both share.
-void RepetitionGuard::stamp(const PlacedBlock& block, int x, int y, Strictness strictness,
-                            ImageView<float> weights) const {
-  const Apart a = apart(x, y, block);
-  const double forbidden = forbiddenWithin(strictness);
+// A corner shows, `a` away from where `block` does, the part of the source that both share.
+void RepetitionGuard::stampRow(const PlacedBlock& block, Apart a, int corner_y,
+                               float* weights) const {
+  const int dy = corner_y - block.source_y;
+  if (std::abs(dy) >= block_.height) return;
+  const float share_y = 1 - std::abs(dy) / static_cast<float>(block_.height);
+  const float* penalties = penalties_.view().row(std::abs(a.y - dy));
+  const bool copied_enough = patch_blocks_[block.patch] >= verbatim_blocks_;
   const int x0 = std::max(0, block.source_x - block_.width + 1),
-            x1 = std::min(corners_.width, block.source_x + block_.width),
-            y0 = std::max(0, block.source_y - block_.height + 1),
-            y1 = std::min(corners_.height, block.source_y + block_.height);
-  for (int cy = y0; cy < y1; ++cy)
-    for (int cx = x0; cx < x1; ++cx) {
-      const int dx = cx - block.source_x, dy = cy - block.source_y;
-      const double share =
-          (1 - std::abs(dx) / double(block_.width)) * (1 - std::abs(dy) / double(block_.height));
-      float& weight = weights.at(cx, cy);
-      if (dx == a.x && dy == a.y) {  // goes on with the same copy
-        if (patch_blocks_[block.patch] >= verbatim_blocks_) weight = kForbidden;
-        continue;
-      }
-      const double distance =
-          std::hypot((a.x - dx) / double(block_.width), (a.y - dy) / double(block_.height));
-      if (share > kShareSeen && distance < forbidden)
-        weight = kForbidden;
-      else
-        weight += static_cast<float>(penalty_ * share *
-                                     std::exp(-distance * distance / (kFadeBlocks * kFadeBlocks)));
-    }
+            x1 = std::min(corners_.width, block.source_x + block_.width);
+  for (int corner_x = x0; corner_x < x1; ++corner_x) {
+    const int dx = corner_x - block.source_x;
+    const float penalty = penalties[std::abs(a.x - dx)];
+    if (penalty >= 0)
+      weights[corner_x] +=
+          penalty * share_y * (1 - std::abs(dx) / static_cast<float>(block_.width));
+    else if (copied_enough)
+      weights[corner_x] = kForbidden;
+  }
 }
 
 void RepetitionGuard::place(int x, int y, int source_x, int source_y) {
@@ -96,7 +95,10 @@ void RepetitionGuard::place(int x, int y, int source_x, int source_y) {
   for (const PlacedBlock& other : blocks_) {
     const Apart a = apart(x, y, other);
     const bool touches = std::abs(a.x) <= block_.width && std::abs(a.y) <= block_.height;
-    if (touches && source_x - other.source_x == a.x && source_y - other.source_y == a.y)
+    const int shift_x = std::abs(a.x - (source_x - other.source_x)),
+              shift_y = std::abs(a.y - (source_y - other.source_y));
+    if (touches && shift_x < penalties_.width() && shift_y < penalties_.height() &&
+        penalties_.at(shift_x, shift_y) < 0)
       placed.patch = other.patch;
   }
   if (placed.patch == static_cast<int>(patch_blocks_.size())) patch_blocks_.push_back(0);

@@ -15,16 +15,15 @@ struct PlacedBlock {
   int patch = 0;                   // blocks that copy one place without a break share a number
 };
 
-// How strictly: each rule is tried until it leaves corners to choose from.
-enum class Strictness { kNoEcho, kNoNeighbour, kPenaltyOnly };
-
 class RepetitionGuard {
  public:
-  // `wrap`: size of a result that wraps around, else 0x0. Corners: see OverlapSearch.
+  // `wrap`: size of a result that wraps around, else 0x0. Corners: see OverlapSearch. `penalty` 0
+  // allows everything.
   RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, double penalty, int verbatim_blocks);
 
-  // Weight >= 1 of each source corner for a block at (x,y) of the result; infinity: not allowed.
-  Image<float> weights(int x, int y, Strictness strictness) const;
+  // Weight >= 1 of each source corner for a block at (x,y) of the result. Infinity: would go on
+  // with a copy that is long enough.
+  Image<float> weights(int x, int y) const;
   void place(int x, int y, int source_x, int source_y);
   const std::vector<PlacedBlock>& blocks() const { return blocks_; }
 
@@ -33,14 +32,14 @@ class RepetitionGuard {
     int x, y;
   };
   Apart apart(int x, int y, const PlacedBlock& other) const;
-  void stamp(const PlacedBlock& block, int x, int y, Strictness strictness,
-             ImageView<float> weights) const;
+  void stampRow(const PlacedBlock& block, Apart a, int corner_y, float* weights) const;
 
   SizePx corners_, block_, wrap_;
   double penalty_;
   int verbatim_blocks_;
   std::vector<PlacedBlock> blocks_;
   std::vector<int> patch_blocks_;  // how many blocks a patch has
+  Image<float> penalties_;         // by displacement |dx|,|dy| of two showings; negative: one copy
 };
 
 }  // namespace patina::quilting

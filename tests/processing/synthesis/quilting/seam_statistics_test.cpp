@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/synthesis/quilting/seam_statistics.h"
+
+#include <gtest/gtest.h>
+
+namespace patina::quilting {
+namespace {
+
+// Two columns-wise pieces of a ramp: texels 0..3 and then from `second` on.
+Quilt twoPieces(int second) {
+  Quilt q{Image<std::int32_t>(8, 2, 2), Image<std::int32_t>(8, 2, 1)};
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 8; ++x) {
+      q.source_xy.at(x, y, 0) = x < 4 ? x : second + x - 4;
+      q.source_xy.at(x, y, 1) = y;
+    }
+  return q;
+}
+
+Image<float> ramp(int width) {
+  Image<float> f(width, 2, 1);
+  for (int x = 0; x < width; ++x) f.at(x, 0) = f.at(x, 1) = static_cast<float>(x);
+  return f;
+}
+
+TEST(SeamRatio, IsTheStepAcrossTheSeamOverTheMeanStepInside) {
+  // Inside: 12 steps of 1 along rows, 8 of 0 along columns; the seam's two steps are 7.
+  EXPECT_DOUBLE_EQ(seamRatio(ramp(20).view(), twoPieces(10)), 7.0 / (12.0 / 20.0));
+}
+
+TEST(SeamRatio, IsZeroWhereThereIsNoSeamOrNoGradient) {
+  const Image<float> f = ramp(20);
+  EXPECT_EQ(seamRatio(f.view(), twoPieces(4)), 0);
+  const Image<float> flat(20, 2, 1);
+  EXPECT_EQ(seamRatio(flat.view(), twoPieces(10)), 0);
+}
+
+}  // namespace
+}  // namespace patina::quilting
