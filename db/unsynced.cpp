@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "db/unsynced.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace patina::db {
+namespace {
+
+// `path` with `to` in place of `from`, when it is `from` or lies under it.
+std::filesystem::path moved(const std::filesystem::path& path, const std::filesystem::path& from,
+                            const std::filesystem::path& to) {
+  const std::string& text = path.native();
+  const std::string& head = from.native();
+  if (text == head) return to;
+  if (text.size() <= head.size() || !text.starts_with(head) || text[head.size()] != '/')
+    return path;
+  return to.native() + text.substr(head.size());
+}
+
+}  // namespace
+
+void Unsynced::apply(const UndoEntry& entry) {
+  using Kind = UndoEntry::Kind;
+  switch (entry.kind) {
+    case Kind::kWrite:
+    case Kind::kTruncate: {
+      OneFile& file = files_[entry.file];
+      if (file.changes.empty()) file.path = entry.path;
+      if (entry.upto != 0) file.removed_by = entry.upto;
+      file.changes.push_back(entry);
+      return;
+    }
+    case Kind::kRename:
+      rename(entry);
+      break;
+    case Kind::kRemove:
+      remove(entry);
+      break;
+    case Kind::kCreate:
+    case Kind::kMakeFolder:
+      break;
+    case Kind::kSynced:
+      return syncFile(entry.file, entry.upto);
+    case Kind::kSyncFailed:
+      if (const auto it = files_.find(entry.file); it != files_.end())
+        for (UndoEntry& change : it->second.changes)
+          if (change.seq <= entry.upto) change.stuck = true;
+      return;
+    case Kind::kFolderSynced:
+      return syncFolder(entry.path, entry.upto);
+    case Kind::kCancelled:
+      return cancel(entry.upto);
+    case Kind::kHappened:
+      return;
+  }
+  names_.push_back(entry);
+}
+
+std::optional<std::uint64_t> Unsynced::fileAt(const std::filesystem::path& path) const {
+  for (const auto& [file, state] : files_)
+    if (state.removed_by == 0 && state.path == path) return file;
+  return std::nullopt;
+}
+
+std::int64_t Unsynced::imageBytes() const {
+  std::int64_t bytes = 0;
+  for (const auto& [file, state] : files_)
+    for (const UndoEntry& change : state.changes) bytes += change.image_bytes;
+  return bytes;
+}
+
+std::vector<std::uint64_t> Unsynced::takeSpentGraves() { return std::exchange(spent_graves_, {}); }
+
+void Unsynced::rename(const UndoEntry& entry) {
+  if (const auto replaced = fileAt(entry.to)) files_[*replaced].removed_by = entry.seq;
+  for (auto& [file, state] : files_)
+    if (state.removed_by == 0) state.path = moved(state.path, entry.path, entry.to);
+}
+
+void Unsynced::remove(const UndoEntry& entry) {
+  if (const auto file = fileAt(entry.path)) files_[*file].removed_by = entry.seq;
+}
+
+// Only ever the newest change of names: the caller holds its lock from the entry to the answer.
+void Unsynced::cancel(std::uint64_t seq) {
+  const auto it = std::ranges::find(names_, seq, &UndoEntry::seq);
+  if (it == names_.end()) return;
+  if (it->kind == UndoEntry::Kind::kRename)
+    for (auto& [file, state] : files_)
+      if (state.removed_by == 0) state.path = moved(state.path, it->to, it->path);
+  for (auto& [file, state] : files_)
+    if (state.removed_by == seq) state.removed_by = 0;
+  if (it->saved != 0) spent_graves_.push_back(seq);
+  names_.erase(it);
+}
+
+void Unsynced::syncFile(std::uint64_t file, std::uint64_t upto) {
+  const auto it = files_.find(file);
+  if (it == files_.end()) return;
+  std::erase_if(it->second.changes, [&](const UndoEntry& e) { return e.seq <= upto && !e.stuck; });
+  if (it->second.changes.empty()) files_.erase(it);
+}
+
+void Unsynced::syncFolder(const std::filesystem::path& folder, std::uint64_t upto) {
+  std::set<std::filesystem::path> rests_upon;
+  std::set<std::uint64_t> kept;
+  for (auto it = names_.rbegin(); it != names_.rend(); ++it) {
+    const bool here = it->seq <= upto && it->folder() == folder;
+    if (!here && !rests_upon.contains(it->path) && !rests_upon.contains(it->to)) continue;
+    rests_upon.insert(it->path);
+    if (!it->to.empty()) rests_upon.insert(it->to);
+    kept.insert(it->seq);
+    keepName(*it);
+  }
+  std::erase_if(names_, [&](const UndoEntry& e) { return kept.contains(e.seq); });
+}
+
+void Unsynced::keepName(const UndoEntry& entry) {
+  if (entry.saved != 0) spent_graves_.push_back(entry.seq);
+  std::erase_if(files_, [&](const auto& item) { return item.second.removed_by == entry.seq; });
+}
+
+}  // namespace patina::db
