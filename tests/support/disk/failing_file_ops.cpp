@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/disk/failing_file_ops.h"
 
+#include <signal.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -25,6 +27,7 @@ struct FailingFileOps::State {
   int count(Call kind, bool changes, bool* cut = nullptr) {
     const std::lock_guard lock(mutex);
     const std::int64_t any = ++total, own = ++counts.at(static_cast<std::size_t>(kind));
+    if (any == die_at) ::raise(SIGKILL);
     if (unplugged_from > 0 && any >= unplugged_from) return onFile(kind) ? -EIO : -ENODEV;
     const auto it = std::ranges::find_if(faults, [&](const Fault& f) {
       return f.kind ? *f.kind == kind && f.at == own : f.at == any;
@@ -46,7 +49,7 @@ struct FailingFileOps::State {
   std::mutex mutex;
   FileOps& disk;
   std::array<std::int64_t, kCallKinds> counts{};
-  std::int64_t total = 0, unplugged_from = 0;
+  std::int64_t total = 0, unplugged_from = 0, die_at = 0;
   int always = 0;  // the errno of every change
   std::vector<Fault> faults;
 };
@@ -111,6 +114,11 @@ void FailingFileOps::unplugFrom(std::int64_t k) {
   state_->unplugged_from = k;
 }
 
+void FailingFileOps::dieAt(std::int64_t k) {
+  const std::lock_guard lock(state_->mutex);
+  state_->die_at = k;
+}
+
 void FailingFileOps::makeReadOnly() {
   const std::lock_guard lock(state_->mutex);
   state_->always = EROFS;
@@ -124,7 +132,7 @@ void FailingFileOps::fillUp() {
 void FailingFileOps::heal() {
   const std::lock_guard lock(state_->mutex);
   state_->faults.clear();
-  state_->unplugged_from = 0;
+  state_->unplugged_from = state_->die_at = 0;
   state_->always = 0;
 }
 

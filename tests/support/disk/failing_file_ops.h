@@ -42,6 +42,8 @@ class FailingFileOps final : public db::FileOps {
   // Every change answers EROFS, or ENOSPC with no space left; reads work.
   void makeReadOnly();
   void fillUp();
+  // The process is ended by SIGKILL just before its k-th call.
+  void dieAt(std::int64_t k);
   // The disk is as new; counts go on. resetCounts() starts them again at 0.
   void heal();
   void resetCounts();
