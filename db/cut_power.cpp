@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <map>
 #include <string>
 #include <system_error>
 
@@ -65,6 +66,24 @@ struct CutProgress {
   std::uint64_t seed = 0;
   std::uint64_t bytes_done = 0;  // 1 when every file has its bytes
   std::uint64_t names_done = 0;
+};
+
+// A disk does not touch what it loses: times of files and folders stay those of the dead process.
+class KeptTimes {
+ public:
+  void keep(const std::filesystem::path& path) {
+    struct stat status {};
+    if (::lstat(path.c_str(), &status) == 0) times_.try_emplace(path, status.st_mtim);
+  }
+  void putBack() const {
+    for (const auto& [path, time] : times_) {
+      const timespec times[2] = {{0, UTIME_OMIT}, time};
+      ::utimensat(AT_FDCWD, path.c_str(), times, AT_SYMLINK_NOFOLLOW);  // gone: nothing to keep
+    }
+  }
+
+ private:
+  std::map<std::filesystem::path, timespec> times_;
 };
 
 // Where a lost sector of a write gets its old bytes from: the image, and zeros behind the old end
@@ -177,6 +196,11 @@ CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed) 
     report.writes += static_cast<int>(state.changes.size());
   report.names = static_cast<int>(log.unsynced().names().size());
   report.names_lost = static_cast<int>(plan.names.size());
+  KeptTimes times;
+  for (const UndoEntry& e : plan.names)
+    for (const auto& path : {e.path, e.to})
+      if (!path.empty()) times.keep(path.parent_path());
+  for (const FileCut& cut : plan.files) times.keep(log.unsynced().files().at(cut.file).path);
   if (progress.bytes_done == 0) {
     for (const FileCut& cut : plan.files) takeBackBytes(log, cut, &report);
     progress.bytes_done = 1;
@@ -186,6 +210,7 @@ CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed) 
     takeBackName(log, plan.names[progress.names_done++]);
     note();
   }
+  times.putBack();
   log.forget();
   std::filesystem::remove(log_folder / "cut");
   return report;

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cstring>
-#include <set>
 
 #include "processing/image/random.h"
 
@@ -106,24 +105,23 @@ std::vector<std::string> Judge::judgeCatalogue(const std::filesystem::path& arch
     return problems;
   }
   std::int64_t expected = 0;
-  for (const StepRow& step : reader.steps(runs.back().id)) {
+  for (const StepRow& step : reader.steps(runs.back().id))
     if (step.number != expected++)
       problems.push_back("step " + std::to_string(step.number.value_or(-1)) + " instead of " +
                          std::to_string(expected - 1));
-    for (const db::FrameRow& frame : reader.framesOfStep(step.id)) {
-      const std::string hash = frame.sha256.hex();
-      ++seen[hash];
-      const auto it = acked_.find(hash);
-      if (it == acked_.end()) continue;  // its process died before it could tell
-      if (it->second.step != step.number) problems.push_back(hash + " is in another step");
-      try {
-        if (reader.read(frame).size() != static_cast<std::size_t>(frame.bytes))
-          problems.push_back(hash + " has another size");
-      } catch (const db::ArchiveError& e) {
-        problems.push_back(hash + ": " + e.what());
-      }
+  reader.eachFrame(runs.back().id, [&](const db::ArchiveReader::CapturedFrame& captured) {
+    const std::string hash = captured.frame.sha256.hex();
+    ++seen[hash];
+    const auto it = acked_.find(hash);
+    if (it == acked_.end()) return;  // its process died before it could tell
+    if (it->second.step != captured.step.number) problems.push_back(hash + " is in another step");
+    try {
+      if (reader.read(captured.frame).size() != static_cast<std::size_t>(captured.frame.bytes))
+        problems.push_back(hash + " has another size");
+    } catch (const db::ArchiveError& e) {
+      problems.push_back(hash + ": " + e.what());
     }
-  }
+  });
   for (const auto& [hash, acked] : acked_) {
     const auto it = seen.find(hash);
     if (it == seen.end())
@@ -131,6 +129,14 @@ std::vector<std::string> Judge::judgeCatalogue(const std::filesystem::path& arch
     else if (it->second != 1)
       problems.push_back(hash + " has " + std::to_string(it->second) + " rows");
   }
+  return problems;
+}
+
+std::vector<std::string> Judge::judgeRecovered(const std::filesystem::path& archive) const {
+  std::vector<std::string> problems = judgeCatalogue(archive);
+  Progress progress;
+  for (const db::VerifyProblem& p : db::verify(archive, progress).problems)
+    problems.push_back("verify: " + p.what + " " + p.path + ": " + p.detail);
   return problems;
 }
 

@@ -36,6 +36,9 @@ class Judge {
   // bytes; a step with two rows or none among its neighbours. Reads the catalogue as it lies there.
   std::vector<std::string> judgeCatalogue(const std::filesystem::path& archive) const;
 
+  // The same, and what `verify` says: for an archive that was recovered.
+  std::vector<std::string> judgeRecovered(const std::filesystem::path& archive) const;
+
  private:
   std::map<std::string, Acked> acked_;
 };
