@@ -78,3 +78,16 @@ function(patina_test target)
     set_property(GLOBAL APPEND PROPERTY PATINA_TEST_ENTRIES ${entry})
   endforeach()
 endfunction()
+
+# patina_long_test(<entry> TARGET <a test> [FILTER <gtest filter>] [ENVIRONMENT NAME=value ...]): the same binary in its
+# long form, run by `make test-long` alone and outside the budgets.
+function(patina_long_test entry)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TARGET;FILTER" "ENVIRONMENT")
+  if(NOT arg_FILTER)
+    set(arg_FILTER *)
+  endif()
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/tests OUTPUT_VARIABLE folder)
+  add_test(NAME ${entry} COMMAND ${arg_TARGET} --gtest_filter=${arg_FILTER})
+  set_tests_properties(${entry} PROPERTIES LABELS "${folder};long" TIMEOUT 7200
+    ENVIRONMENT "PATINA_PROGRAM=${PROJECT_BINARY_DIR}/patina;${arg_ENVIRONMENT}")
+endfunction()

@@ -167,6 +167,10 @@ TEST_P(PowerCutSeries, LosesNothingThatWasAcknowledged) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, PowerCutSeries, ::testing::Values(1u, 2u, 3u, 4u));
 
+TEST(PowerCutCampaign, AccusesNobodyOfTheFullProtocol) {
+  EXPECT_EQ(cutsUntilCaught(Mutant::kNone, 20), 0);
+}
+
 TEST(PowerCutCampaign, CatchesAMissingFileSync) {
   const int caught = cutsUntilCaught(Mutant::kNoFileSync, 20);
   EXPECT_GT(caught, 0);
