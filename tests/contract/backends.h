@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct Backend {
   std::string name;  // letters and digits: part of a test's name
   std::function<RigUnderTest()> make;
 };
+
+inline void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
 
 std::vector<Backend> bareBackends();
 // Each bare one, and each again in decorators whose faults lie years ahead.
