@@ -6,6 +6,7 @@
 #include <set>
 
 #include "devices/config_file.h"
+#include "devices/fault_plan.h"
 
 namespace patina::devices {
 namespace {
@@ -19,6 +20,7 @@ class Ids {
  public:
   std::string take(ConfigTable& table) {
     std::string id = table.takeId("id");
+    if (id == kWholeRig) table.reject("id", "\"rig\" is the name of the whole in a faults file");
     if (!seen_.insert(id).second) table.reject("id", '"' + id + "\" names two devices");
     return id;
   }

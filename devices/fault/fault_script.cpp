@@ -24,7 +24,9 @@ std::vector<Fault> FaultReport::neverFired() const {
   const std::lock_guard lock(mutex_);
   std::vector<Fault> idle;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
-    if (counts_[i] == 0 && !isLampFault(faults_[i].kind)) idle.push_back(faults_[i]);
+    const FaultKind kind = faults_[i].kind;
+    const bool elsewhere = isLampFault(kind) || kind == FaultKind::kPowerCut;
+    if (counts_[i] == 0 && !elsewhere) idle.push_back(faults_[i]);
   }
   return idle;
 }

@@ -17,7 +17,8 @@
 //   corrupt_bytes a block of up to 512 bytes changed, length kept.
 //   sensor_silent read: kTimeout.
 // hang and lost work on lights and sensors too (any recover() after the end cures them). Lamp
-// faults are the twin's business: no decorator can darken a picture.
+// faults are the twin's business, since no decorator can darken a picture; power cuts are the
+// supervisor's.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,7 @@ class FaultReport {
   explicit FaultReport(const FaultPlan& plan);
   void countFired(std::size_t index);
   std::int64_t fired(std::size_t index) const;  // calls that fault `index` of the plan spoiled
-  std::vector<Fault> neverFired() const;        // lamp faults left out: they act in the world
+  std::vector<Fault> neverFired() const;        // lamps and power left out: they act elsewhere
 
  private:
   mutable std::mutex mutex_;

@@ -5,6 +5,7 @@
 
 #include "devices/config_file.h"
 #include "devices/rig.h"
+#include "tests/support/places.h"
 #include "tests/support/temp_folder.h"
 
 namespace patina::devices {
@@ -75,7 +76,7 @@ TEST(FaultPlan, ReadsTheFileItIsGiven) {
 }
 
 TEST(FaultPlan, EveryKindHasANameThatParses) {
-  for (int i = 0; i <= static_cast<int>(FaultKind::kSensorSilent); ++i) {
+  for (int i = 0; i <= static_cast<int>(FaultKind::kPowerCut); ++i) {
     const auto kind = static_cast<FaultKind>(i);
     EXPECT_EQ(parseFaultKind(name(kind)), kind) << i;
   }
@@ -109,6 +110,21 @@ TEST(FaultPlan, APowerCutHappensToTheWholeRigAndNothingElseDoes) {
   EXPECT_EQ(errorOf(fault("rig", "power_cut", "duration = \"70min\"\n")), "");
   EXPECT_THAT(errorOf(fault("cam0", "power_cut", "")), HasSubstr("device = \"rig\""));
   EXPECT_THAT(errorOf(fault("rig", "hang", "")), HasSubstr("whole rig"));
+}
+
+TEST(FaultPlan, TheShippedExamplesFitTheirRigs) {
+  int rigs = 0, plans = 0;
+  const auto examples = patina::testing::sourceFolder() / "examples";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(examples)) {
+    if (entry.path().filename() != "rig.toml") continue;
+    const RigSpec rig = readRig(entry.path());
+    ++rigs;
+    if (!rig.twin || !rig.twin->faults) continue;
+    EXPECT_NO_THROW(checkAgainst(readFaults(*rig.twin->faults), rig)) << entry.path();
+    ++plans;
+  }
+  EXPECT_GT(rigs, 0);
+  EXPECT_GT(plans, 0);
 }
 
 }  // namespace

@@ -109,6 +109,7 @@ TEST(Rig, IdsCannotBreakFileNamesOrLightStates) {
               HasSubstr("rig.toml:5: light.id: \"a+b\" is no id"));
   EXPECT_THAT(errorOf(withCamera("[[light]]\nid = \"off\"\nbackend = \"twin\"\n")),
               HasSubstr("the dark state"));
+  EXPECT_THAT(errorOf("[[camera]]\nid = \"rig\"\nbackend = \"twin\"\n"), HasSubstr("the whole"));
   EXPECT_THAT(errorOf("[[camera]]\nid = \"../x\"\nbackend = \"twin\"\n"), HasSubstr("is no id"));
 }
 
