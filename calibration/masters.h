@@ -25,14 +25,17 @@ struct Master {
   Image<float> image;  // [h][w][c], share of full scale; flat: mean 1 a channel
   MasterReport report;
 };
-// Sigma-clipped mean in two passes over `frames` (called once a pass). Needs at least 3 frames.
+// Sigma-clipped mean in two passes over `frames` (called once a pass). Needs at least 3 frames. A
+// texel's sigma is taken without its extremes, so that one hit among few frames is still seen.
+// Memory: 28 bytes a sample. Throws CalibrationError(kBadData): too few, unequal sizes, NaN.
 Master stackDark(const std::function<PictureSource()>& frames, Progress& progress);
 // (mean - dark), normalised to mean 1 a channel over the middle quarter. Refuses a flat whose level
 // is below 5 % or above 95 % of full scale.
 Master stackFlat(const std::function<PictureSource()>& frames, ImageView<const float> dark,
                  Progress& progress);
 
-// out = (frame - dark) / flat * gain[c]; either master may be absent. In place. Sizes must agree.
+// out = (frame - dark) / flat * gain[c]; either master may be absent. In place. Sizes must agree. A
+// texel where the flat is below 0.01 (no light) is not divided: it belongs to the defect map.
 void applyMasters(ImageView<float> frame, std::optional<ImageView<const float>> dark,
                   std::optional<ImageView<const float>> flat, const std::array<float, 3>& gain);
 
