@@ -59,6 +59,16 @@ double minorStep(double step, AxisKind kind) {
   return 0;
 }
 
+// Of `step`, within [low, high]. None where doubles are too coarse to tell them apart.
+std::vector<double> multiplesOf(double step, double low, double high) {
+  const double first = std::ceil(low / step - 1e-6), last = std::floor(high / step + 1e-6);
+  std::vector<double> out;
+  if (std::abs(first) > 1e12 || std::abs(last) > 1e12 || last - first > 1000) return out;
+  for (auto k = static_cast<long long>(first); k <= static_cast<long long>(last); ++k)
+    out.push_back(static_cast<double>(k) * step);
+  return out;
+}
+
 }  // namespace
 
 std::vector<Tick> ticksOf(double low, double high, int wanted, AxisKind kind) {
@@ -67,13 +77,13 @@ std::vector<Tick> ticksOf(double low, double high, int wanted, AxisKind kind) {
   const double rough = (high - low) / wanted;
   const bool elapsed = kind == AxisKind::kElapsed;
   const double step = elapsed ? elapsedStep(rough) : roundStep(rough);
-  const double slack = step * 1e-6;
   const double minor = minorStep(step, kind);
+  const double slack = step * 1e-6;
   if (minor > 0)
-    for (double k = std::ceil((low - slack) / minor); k * minor <= high + slack; ++k)
-      if (std::abs(std::remainder(k * minor, step)) > slack) out.push_back({k * minor, ""});
-  for (double k = std::ceil((low - slack) / step); k * step <= high + slack; ++k)
-    out.push_back({k * step, elapsed ? tickLabel(k * step, step) : numberLabel(k * step, step)});
+    for (double v : multiplesOf(minor, low, high))
+      if (std::abs(std::remainder(v, step)) > slack) out.push_back({v, ""});
+  for (double v : multiplesOf(step, low, high))
+    out.push_back({v, elapsed ? tickLabel(v, step) : numberLabel(v, step)});
   return out;
 }
 

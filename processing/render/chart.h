@@ -13,28 +13,28 @@
 namespace patina::render {
 
 struct ChartLine {
-  std::string name;  // for the legend; equal names share an entry, empty ones have none
-  Colour colour;
-  std::vector<double> x, y;  // a NaN breaks the line
+  std::string name{};  // for the legend; equal names share an entry, empty ones have none
+  Colour colour{};
+  std::vector<double> x{}, y{};  // a NaN breaks the line
   double width_px = 1.8;
   bool dashed = false;
 };
 enum class Marker { kDisc, kRing, kSquare, kCross };
 struct ChartPoints {
-  std::string name;
-  Colour colour;
-  std::vector<double> x, y;
+  std::string name{};
+  Colour colour{};
+  std::vector<double> x{}, y{};
   Marker marker = Marker::kDisc;
   double size_px = 6;
 };
 struct ChartSpan {  // an interval of x over the whole height: nobody was running, the light was bad
-  std::string name;
-  Colour colour;
+  std::string name{};
+  Colour colour{};
   double from = 0, to = 0;
 };
 struct ChartBand {  // an interval of y over the whole width: what is tolerated
-  std::string name;
-  Colour colour;
+  std::string name{};
+  Colour colour{};
   double low = 0, high = 0;
 };
 

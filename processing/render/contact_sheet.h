@@ -17,7 +17,7 @@ struct SheetCell {
 };
 
 struct SheetOptions {
-  std::string title;
+  std::string title{};
   int columns = 0;          // 0: so that the sheet is about 3:2
   int cell_width_px = 220;  // 16 to 4096; the height follows the first picture's shape
 };

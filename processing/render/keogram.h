@@ -20,7 +20,7 @@ struct KeogramLine {
 Image<std::uint8_t> keogramColumn(ImageView<const std::uint8_t> srgb, int x, int width_px = 3);
 
 struct KeogramOptions {
-  std::string title;
+  std::string title{};
   std::string y_label = "position, px";
   // A line holds from its time for this long; later there is a gap. 0: half as much again as the
   // median distance of two lines.

@@ -17,7 +17,7 @@ struct PlateRow {
 };
 
 struct PlateOptions {
-  std::string title;
+  std::string title{};
   int cell_px = 150;  // 32 to 2048: pictures are cut to their middle square of this side
 };
 
