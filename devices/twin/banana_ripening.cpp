@@ -184,13 +184,13 @@ void Banana::fillRow(const SampleGrid& grid, int y, const std::vector<Freckles>&
     const float fibres = fibre.at(px, py, texel);
     f.fibre[k] = fibres;
     f.mottle[k] = mottle.at(px, py, texel);
-    f.jitter[k] = std::clamp(0.16f * jitter.at(px, py, texel) + 0.04f * fibres, -0.2f, 0.2f);
+    f.jitter[k] = std::clamp(0.16f * jitter.at(px, py, kAsIs) + 0.04f * fibres, -0.2f, 0.2f);
     f.relief[k] = 0.020f * fibres + 0.010f * pores.at(px, py, texel);
     f.wrinkle[k] = kWrinkleMm * wrinkle.at(px, py, texel);
 
-    const float wx = 0.55f * warp_x.at(px, py, texel) + 0.12f * fibres;
-    const float wy = 0.75f * warp_y.at(px, py, texel);
-    const Rim rim{kRimTime, std::max(kRimMm, 0.7f * texel), 0.4f};
+    const float wx = 0.55f * warp_x.at(px, py, kAsIs);
+    const float wy = 0.75f * warp_y.at(px, py, kAsIs);
+    const Rim rim{kRimTime, kRimMm, 0.4f, texel};
     Arrival first;
     for (const Freckles& kind : freckle)
       first = kind.field.at(px + kind.warp * wx, py + kind.warp * wy, rim, first);
@@ -198,7 +198,7 @@ void Banana::fillRow(const SampleGrid& grid, int y, const std::vector<Freckles>&
     f.freckle_inverse_width[k] = 1 / first.width;
 
     const Arrival area =
-        bruise.at(px + 3.0f * wide_x.at(px, py, texel), py + 3.0f * wide_y.at(px, py, texel),
+        bruise.at(px + 3.0f * wide_x.at(px, py, kAsIs), py + 3.0f * wide_y.at(px, py, kAsIs),
                   {0.12f, kBruiseRimMm, 0.6f}, Arrival{});
     f.bruise[k] = area.time + 0.05f * f.mottle[k];
     f.bruise_inverse_width[k] = 1 / area.width;

@@ -59,10 +59,12 @@ Arrival BlobField::at(float x_mm, float y_mm, const Rim& rim, const Arrival& bef
       const float time = b.onset + options_.growth * grown;
       const float slope =  // d time / d distance
           options_.growth * options_.power * grown / std::max(q, 1e-3f) * b.inverse_radius;
-      const float width = std::min(std::hypot(rim.time, rim.mm * slope), rim.width_max);
-      if (time + width >= over) continue;
-      first = {time, width};
-      over = time + width;
+      const float rim_width = std::min(std::hypot(rim.time, rim.mm * slope), rim.width_max);
+      const float width = std::min(std::hypot(rim_width, rim.texel_mm * slope), rim.width_max);
+      const float begin = time - (width - rim_width) / 2;
+      if (begin + width >= over) continue;
+      first = {begin, width};
+      over = begin + width;
     }
   return first;
 }

@@ -34,6 +34,7 @@ struct Rim {
   float time = 0.03f;      // least width
   float mm = 0.1f;         // softness across the rim
   float width_max = 0.5f;  // of a slow one
+  float texel_mm = 0;      // what a texel averages: widens the rim evenly to both sides
 };
 
 // The spots of one class over a rectangle, ready to be asked. Immutable.

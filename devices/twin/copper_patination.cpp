@@ -176,17 +176,17 @@ void Copper::fillLiquid(const SampleGrid& grid, int y, const BlobField& patches,
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
     const float px = grid.x_mm[k], py = grid.y_mm[k];
-    f.wetting[k] = 0.022f + 0.020f * std::clamp(spread.at(px, py, texel), -0.8f, 0.8f);
+    f.wetting[k] = 0.022f + 0.020f * std::clamp(spread.at(px, py, kAsIs), -0.8f, 0.8f);
     const Arrival dry =
-        patches.at(px + 5.0f * warp_x.at(px, py, texel), py + 5.0f * warp_y.at(px, py, texel),
+        patches.at(px + 5.0f * warp_x.at(px, py, kAsIs), py + 5.0f * warp_y.at(px, py, kAsIs),
                    {kDryingTime, kDryingMm, 0.1f}, Arrival{});
-    const float soft = 0.42f + 0.10f * last.at(px, py, texel);  // what no patch reaches
+    const float soft = 0.42f + 0.10f * last.at(px, py, kAsIs);  // what no patch reaches
     f.drying[k] = std::min(dry.time, soft);
     f.drying_inverse_width[k] = 1 / (dry.time < soft ? dry.width : 0.03f);
-    const float phase = f.drying[k] * 13 + 0.5f * last.at(px + 40, py, texel);
+    const float phase = f.drying[k] * 13 + 0.5f * last.at(px + 40, py, kAsIs);
     const float crest = 1 - 2 * std::abs(phase - std::floor(phase) - 0.5f);
     f.pool[k] = kPoolMm * pool.at(px, py, texel);
-    const float here = saturate(0.1f + 1.6f * spread.at(px, py + 90, texel));
+    const float here = saturate(0.1f + 1.6f * spread.at(px, py + 90, kAsIs));
     f.tide[k] = here * crest * crest * crest;
   }
 }
@@ -208,20 +208,19 @@ void Copper::fillMetal(const SampleGrid& grid, int y, Fields& f) const {
 
 void Copper::fillPatina(const SampleGrid& grid, int y, const std::vector<BlobField>& seeds,
                         Fields& f) const {
-  const float texel = grid.texel_mm;
   const FractalNoise warp_x{key(30), 10, 7, 0.55f}, warp_y{key(31), 10, 7, 0.55f},
       crest{key(32), 3.2f, 5, 0.6f}, early{key(33), 9, 5, 0.55f};
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
     const float px = grid.x_mm[k], py = grid.y_mm[k];
-    const float wx = px + 5.0f * warp_x.at(px, py, texel),
-                wy = py + 5.0f * warp_y.at(px, py, texel);
-    const Rim rim{kRimTime, std::max(kRimMm, 0.7f * texel), 0.3f};
+    const float wx = px + 5.0f * warp_x.at(px, py, kAsIs),
+                wy = py + 5.0f * warp_y.at(px, py, kAsIs);
+    const Rim rim{kRimTime, kRimMm, 0.3f, 0};
     Arrival first;
     for (const BlobField& field : seeds) first = field.at(wx, wy, rim, first);
-    const float fingers = 0.34f * (0.52f - crest.ridged(px, py, texel));
+    const float fingers = 0.34f * (0.52f - crest.ridged(px, py, kAsIs));
     f.patina[k] = std::max(first.time + fingers, 0.10f);
-    const float anywhere = 0.26f + 0.30f * early.at(px, py, texel);
+    const float anywhere = 0.26f + 0.30f * early.at(px, py, kAsIs);
     f.tarnish[k] = std::max(0.05f, std::min(anywhere, f.patina[k] - 0.14f) + 0.03f * f.mottle[k]);
   }
 }
@@ -241,10 +240,12 @@ std::shared_ptr<const PreparedSurface> Copper::prepare(const SampleGrid& grid) c
   });
   differentiate(grid, f.drying, f.drying_dx, f.drying_dy, 0.05f);
   differentiate(grid, f.patina, f.patina_dx, f.patina_dy, 0.6f);
-  const float rim_mm = std::max(kRimMm, 0.7f * grid.texel_mm);
   for (std::size_t k = 0; k < f.patina.size(); ++k) {
     const float slope = std::hypot(f.patina_dx[k], f.patina_dy[k]);
-    f.patina_inverse_width[k] = 1 / std::min(std::hypot(kRimTime, rim_mm * slope), 0.3f);
+    const float rim = std::min(std::hypot(kRimTime, kRimMm * slope), 0.3f);
+    const float width = std::min(std::hypot(rim, 0.5f * grid.texel_mm * slope), 0.4f);
+    f.patina[k] = std::max(f.patina[k] - (width - rim) / 2, 0.05f);
+    f.patina_inverse_width[k] = 1 / width;
     const float gentle = std::min(1.0f, 0.10f / std::max(slope, 1e-6f));
     f.patina_dx[k] *= gentle;
     f.patina_dy[k] *= gentle;

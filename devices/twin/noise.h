@@ -6,6 +6,8 @@
 
 namespace patina::devices::twin {
 
+constexpr float kAsIs = 0;  // texel size of a point: nothing is filtered
+
 // Gradient noise (Perlin, "Improving noise", 2002) with gradients hashed from the integer lattice:
 // zero mean, about [-1,1], standard deviation about 0.3, wavelength about 1. Pure.
 float gradientNoise(std::uint64_t seed, float x, float y);
@@ -19,7 +21,8 @@ struct FractalNoise {
   float gain = 0.5f;
   float stretch_x = 1, stretch_y = 1;  // features are so much longer along the axis
 
-  // Octaves finer than two texels fade out: what a texel averages away. About [-1,1]
+  // Octaves finer than two texels fade out: what a texel averages away. About [-1,1]. Positions
+  // are warped with kAsIs, so that they do not depend on the size rendered.
   float at(float x_mm, float y_mm, float texel_mm) const;
   // Sharp crests: 1 - |noise| an octave; about [0,1].
   float ridged(float x_mm, float y_mm, float texel_mm) const;

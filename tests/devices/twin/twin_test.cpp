@@ -5,38 +5,63 @@
 
 #include "devices/config_file.h"
 #include "processing/image/picture_file.h"
+#include "tests/devices/twin/bench_rig.h"
 
 namespace patina::devices::twin {
 namespace {
 
-RigSpec rigOf(const std::string& more = {}) {
-  return parseRig(
-      "name = 'bench'\n"
-      "[[camera]]\nid = 'cam0'\nbackend = 'twin'\n"
-      "[[light]]\nid = 'key'\nbackend = 'twin'\nposition_mm = [-250, 200, 380]\n"
-      "[twin]\nspecimen = 'grey_card'\nsize = '64x48'\n" +
-          more,
-      "rig.toml");
-}
-
-TEST(TwinRig, ShootsAPictureThatCanBeDecoded) {
-  VirtualClock clock(parseUtc("2024-05-01T12:00:00Z"));
-  Rig rig = makeTwinRig(rigOf(), {.start_utc = clock.utc()}, clock);
-  ASSERT_TRUE(rig.cameras.at(0)->recover(Rung::kReopen));
-  ASSERT_TRUE(rig.lights.at(0)->set(1));
-  const auto ticket = rig.cameras[0]->trigger({"shot", 1});
-  ASSERT_TRUE(ticket);
-  const auto frames = rig.cameras[0]->collect(*ticket, clock.mono() + std::chrono::seconds(5));
-  ASSERT_TRUE(frames);
-  const Picture picture = decodePicture(frames->at(0).bytes);
-  EXPECT_EQ(picture.linear.size(), (SizePx{64, 48}));
+TEST(TwinRig, HasEveryDeviceOfTheRigFileInItsOrder) {
+  Bench bench(benchRig("grey_card", "64x48"));
+  ASSERT_EQ(bench.rig.cameras.size(), 1u);
+  ASSERT_EQ(bench.rig.lights.size(), 2u);
+  ASSERT_EQ(bench.rig.sensors.size(), 3u);
+  EXPECT_EQ(bench.rig.lights[1]->caps().id, "fill");
+  bench.light(0, 1);
+  EXPECT_EQ(decodePicture(bench.shoot().at(0).bytes).linear.size(), (SizePx{64, 48}));
 }
 
 TEST(TwinRig, RefusesABackendThatIsNotTheTwin) {
   VirtualClock clock(UtcTime{});
-  RigSpec spec = rigOf();
+  RigSpec spec = benchRig("grey_card", "64x48");
   spec.cameras[0].backend = "gphoto2";
   EXPECT_THROW(makeTwinRig(spec, {}, clock), ConfigError);
+  spec = benchRig("grey_card", "64x48");
+  spec.cameras[0].settings["shutter"] = "fast";
+  EXPECT_THROW(makeTwinRig(spec, {}, clock), ConfigError);
+}
+
+TEST(PictureLayout, PutsThePatchInTheLowerLeftCornerAndTheSpecimenAbove) {
+  const RigSpec spec = benchRig("grey_card", "512x512");
+  const PictureLayout layout = pictureLayout(spec, spec.cameras[0]);
+  EXPECT_EQ(layout.patch_px, (RectPx{4, 444, 64, 64}));
+  EXPECT_EQ(layout.specimen_px, (RectPx{0, 0, 512, 440}));
+}
+
+TEST(PictureLayout, APatchInASmallPictureIsAQuarterOfItsHeight) {
+  const RigSpec spec = benchRig("grey_card", "64x48");
+  const PictureLayout layout = pictureLayout(spec, spec.cameras[0]);
+  EXPECT_EQ(layout.patch_px, (RectPx{1, 35, 12, 12}));
+  EXPECT_EQ(layout.specimen_px, (RectPx{14, 0, 50, 48}));
+}
+
+TEST(PictureLayout, FollowsTheRigsPatch) {
+  RigSpec spec = benchRig("grey_card", "512x512");
+  spec.patches.push_back({"cam0", {440, 8, 64, 64}});
+  const PictureLayout layout = pictureLayout(spec, spec.cameras[0]);
+  EXPECT_EQ(layout.patch_px, (RectPx{440, 8, 64, 64}));
+  EXPECT_EQ(layout.specimen_px, (RectPx{0, 0, 436, 512}));
+  spec.patches[0].rect_px = {500, 8, 64, 64};
+  EXPECT_THROW(pictureLayout(spec, spec.cameras[0]), ConfigError) << "outside the picture";
+}
+
+TEST(PictureLayout, RefusesOddSizes) {
+  RigSpec spec = benchRig("grey_card", "64x48");
+  spec.cameras[0].settings["width"] = "63";
+  EXPECT_THROW(pictureLayout(spec, spec.cameras[0]), ConfigError);
+}
+
+TEST(DefaultExposure, IsAWholeNumberOfMainsHalfPeriods) {
+  EXPECT_EQ(defaultExposure().time, std::chrono::milliseconds(20));
 }
 
 }  // namespace
