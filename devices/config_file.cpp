@@ -171,7 +171,7 @@ std::string ConfigTable::takeString(const std::string& key, std::optional<std::s
 }
 
 std::string ConfigTable::takeId(const std::string& key) {
-  const std::string id = takeString(key);
+  std::string id = takeString(key);
   const bool letters = std::all_of(id.begin(), id.end(), [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   });

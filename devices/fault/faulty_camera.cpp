@@ -72,7 +72,7 @@ class FaultyCamera final : public Camera {
     if (trouble_ == Trouble::kHung && !(over && rung >= Rung::kReopen)) {
       return tl::make_unexpected(hungCall("recover"));
     }
-    const Result<void> recovered = camera_->recover(rung);
+    Result<void> recovered = camera_->recover(rung);
     if (!recovered) return recovered;
     ready_ = true;
     trouble_ = Trouble::kNone;
