@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <set>
 
 #include "processing/image/random.h"
 
@@ -75,7 +76,7 @@ void shoot(db::Archive& archive, StepRow& step, int index, std::uint64_t seed,
   const bool last = index + 1 == kShots;
   const auto rows =
       archive.acknowledge(shot, {&frame, 1}, {}, step.due_utc, last ? &step : nullptr);
-  acked({rows.at(0).sha256.hex(), *step.number, index});
+  acked({rows.at(0).sha256.hex(), *step.number, index, shot.id});
 }
 
 }  // namespace
@@ -98,6 +99,7 @@ void liveOn(const db::ArchiveOptions& options, std::int64_t steps, std::uint64_t
 std::vector<std::string> Judge::judgeCatalogue(const std::filesystem::path& archive) const {
   std::vector<std::string> problems;
   std::map<std::string, int> seen;
+  std::set<std::string> places;
   const db::ArchiveReader reader(archive);
   const auto runs = reader.runs();
   if (runs.empty()) {
@@ -112,9 +114,19 @@ std::vector<std::string> Judge::judgeCatalogue(const std::filesystem::path& arch
   reader.eachFrame(runs.back().id, [&](const db::ArchiveReader::CapturedFrame& captured) {
     const std::string hash = captured.frame.sha256.hex();
     ++seen[hash];
+    const db::ShotRow& shot = captured.shot;
+    const std::string place = "step " + std::to_string(captured.step.number.value_or(-1)) + " " +
+                              shot.device_id + " " + shot.light_state + " " +
+                              std::to_string(shot.exposure_index) + " file " +
+                              std::to_string(captured.frame.file_index);
+    if (captured.step.number && !places.insert(place).second)
+      problems.push_back(place + " is there twice");
     const auto it = acked_.find(hash);
     if (it == acked_.end()) return;  // its process died before it could tell
-    if (it->second.step != captured.step.number) problems.push_back(hash + " is in another step");
+    if (it->second.step >= 0 && it->second.step != captured.step.number)
+      problems.push_back(hash + " is in another step");
+    if (it->second.shot_id != 0 && it->second.shot_id != shot.id)
+      problems.push_back(hash + " is of another shot");
     try {
       if (reader.read(captured.frame).size() != static_cast<std::size_t>(captured.frame.bytes))
         problems.push_back(hash + " has another size");

@@ -15,9 +15,10 @@
 namespace patina::testing {
 
 struct Acked {
-  std::string sha256;  // hex
-  std::int64_t step = 0;
+  std::string sha256;     // hex
+  std::int64_t step = 0;  // -1: not told
   int shot = 0;
+  db::RowId shot_id = 0;  // 0: not told
 };
 
 // Opens or creates the archive, closes what an earlier life left open, and commits `steps` further
@@ -32,8 +33,9 @@ class Judge {
   void note(const Acked& acked) { acked_[acked.sha256] = acked; }
   std::size_t count() const { return acked_.size(); }
 
-  // Broken promises, one a line: an acknowledged frame without a row, with two, or with other
-  // bytes; a step with two rows or none among its neighbours. Reads the catalogue as it lies there.
+  // Broken promises of the newest run, one a line: an acknowledged frame without a row, with two,
+  // of another shot or with other bytes; a place in a sweep that was captured twice; a step with
+  // two rows, or with none between its neighbours. Reads the catalogue as it lies there.
   std::vector<std::string> judgeCatalogue(const std::filesystem::path& archive) const;
 
   // The same, and what `verify` says: for an archive that was recovered.
