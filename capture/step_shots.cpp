@@ -74,9 +74,10 @@ void StepRunner::inspect(Attempt& a, const Group& group) {
     a.good = true;
     return;
   }
-  const bool evidence = a.check.fault == FrameFault::kDecode ||
-                        a.check.fault == FrameFault::kLength ||
-                        a.check.fault == FrameFault::kWrongSize;
+  // Of a camera that is down one broken file is much like the next: they would fill the disk.
+  const bool evidence = !a.unit->ladder().down() && (a.check.fault == FrameFault::kDecode ||
+                                                     a.check.fault == FrameFault::kLength ||
+                                                     a.check.fault == FrameFault::kWrongSize);
   for (const devices::RawFrame& frame : a.frames) {
     if (!evidence || frame.bytes.empty()) continue;
     db::EventRow why;
