@@ -66,8 +66,8 @@ TEST_P(LightCampaign, UndoesADriftOfOnePercentADay) {
   const bool fast = GetParam().ns < 1min;
   Simulation sim({.interval = GetParam().interval,
                   .duration = trials() >= 1000 ? "7d"
-                              : fast           ? "6h"
-                                               : "5d",
+                              : fast           ? "3h"
+                                               : "4d",
                   .size = fast ? "64x48" : "256x256",
                   .faults = "[[fault]]\nat = \"0s\"\ndevice = \"key\"\nkind = \"lamp_drift\"\n"
                             "amount = 0.01\n"});

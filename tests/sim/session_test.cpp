@@ -37,143 +37,6 @@ TEST(Session, WritesTheSameHashForTheSameSeedAndAnotherForAnother) {
   EXPECT_NE(c.run().event_log_sha256, first);
 }
 
-TEST(Session, ShootsEveryCameraLightAndExposureOfASweep) {
-  Simulation sim({.lights = R"([["key"], ["key", "fill"], []])",
-                  .exposures = R"(["1/50", "1/10"])",
-                  .cameras = 2});
-  const auto summary = sim.run();
-  EXPECT_EQ(summary.last.captured, 12);
-  const auto step = sim.reader().step(sim.run_id, 5);
-  ASSERT_TRUE(step.has_value());
-  EXPECT_EQ(step->shots_captured, 12);
-  EXPECT_GT(step->spread, 200ms);
-  EXPECT_LT(step->spread, 2s);
-  sim.expectWhole();
-}
-
-struct Trouble {
-  const char* name;
-  const char* fault;
-  const char* event;  // that tells of it
-};
-class SessionInTrouble : public ::testing::TestWithParam<Trouble> {};
-
-TEST_P(SessionInTrouble, CapturesTheStepAllTheSameAndSaysSo) {
-  Simulation sim({.faults = std::string("[[fault]]\nat = \"65min\"\ndevice = \"cam0\"\nkind = \"") +
-                            GetParam().fault + "\"\n"});
-  sim.run();
-  EXPECT_EQ(sim.decisions(), twelve("captured"));
-  EXPECT_FALSE(sim.events(GetParam().event).empty());
-  sim.expectWhole();
-}
-
-INSTANTIATE_TEST_SUITE_P(OfOneCall, SessionInTrouble,
-                         ::testing::Values(Trouble{"hang", "hang", "recover"},
-                                           Trouble{"busy", "busy", "recover"},
-                                           Trouble{"lost", "lost", "recover"},
-                                           Trouble{"partial", "partial_file", "quarantine"},
-                                           Trouble{"twice", "duplicate", "stale"},
-                                           Trouble{"late", "late", "recover"},
-                                           Trouble{"stale", "stale_frame", "recover"},
-                                           Trouble{"size", "wrong_size", "quarantine"},
-                                           Trouble{"corrupt", "corrupt_bytes", "quarantine"}),
-                         [](const auto& trouble) { return std::string(trouble.param.name); });
-
-TEST(Session, TakesACameraDownAndGoesOnWithTheOther) {
-  Simulation sim({.duration = "3h",
-                  .cameras = 2,
-                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"cam1\"\nkind = \"hang\"\n"
-                            "duration = \"60min\"\n"});
-  sim.run();
-  const auto decisions = sim.decisions();
-  EXPECT_EQ(std::count(decisions.begin(), decisions.end(), "failed"), 6);
-  for (const auto& step : sim.reader().steps(sim.run_id, db::Decision::kFailed)) {
-    EXPECT_EQ(step.shots_captured, 1);
-    EXPECT_THAT(step.reason, HasSubstr("cam1: timeout"));
-  }
-  EXPECT_EQ(decisions[12], "captured");  // within two intervals of the fault's end
-  const auto alarms = sim.events("alarm");
-  ASSERT_EQ(alarms.size(), 2u);
-  EXPECT_THAT(alarms[0].detail, HasSubstr("camera cam1 down begins"));
-  EXPECT_THAT(alarms[1].detail, HasSubstr("is over"));
-  sim.expectWhole();
-}
-
-TEST(Session, HoldsWhileALampIsDeadAndGoesOnByItself) {
-  Simulation sim({.duration = "3h",
-                  .faults = "[[fault]]\nat = \"75min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"
-                            "duration = \"40min\"\n"});
-  sim.run();
-  std::vector<std::string> expected(18, "captured");
-  for (std::size_t k : {8, 9, 10}) expected[k] = "held";
-  EXPECT_EQ(sim.decisions(), expected);
-  const auto back = sim.reader().step(sim.run_id, 11);  // dead until 115 min, due at 110
-  EXPECT_GT(back->held, 4min);
-  EXPECT_GT(back->retries, 0);
-  EXPECT_THAT(sim.reader().step(sim.run_id, 9)->reason, HasSubstr("light key: patch:cam0"));
-  EXPECT_THAT(sim.events("alarm").back().detail, HasSubstr("light key is over"));
-  sim.expectWhole();
-}
-
-TEST(Session, ShootsTheOtherLightsWhileOneIsHeld) {
-  Simulation sim({.lights = R"([["key"], ["fill"]])",
-                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
-  sim.run();
-  const auto step = sim.reader().step(sim.run_id, 7);
-  EXPECT_EQ(step->decision, db::Decision::kHeld);
-  EXPECT_EQ(step->shots_captured, 1);
-  sim.expectWhole();
-}
-
-TEST(Session, AsksSeldomerTheLongerALightStaysAway) {
-  Simulation sim({.duration = "24h",
-                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
-  sim.run();
-  const auto last = sim.reader().step(sim.run_id, 143);
-  EXPECT_EQ(last->decision, db::Decision::kHeld);
-  EXPECT_LE(sim.reader().shotsOfStep(last->id).size(), 4u);
-}
-
-TEST(Session, NeverHoldsInUncontrolledLight) {
-  Simulation sim({.light_check = "mode = \"uncontrolled\"",
-                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
-  sim.run();
-  EXPECT_EQ(sim.decisions(), twelve("captured"));
-  for (const auto& check : sim.reader().lightChecks(sim.run_id))
-    EXPECT_EQ(check.verdict, "measure");
-  sim.expectWhole();
-}
-
-TEST(Session, HoldsOutsideTheBandOfATemperature) {
-  // The twin's room swings between 18 and 22 degrees, coolest at 03:00.
-  Simulation sim({.interval = "30min",
-                  .duration = "24h",
-                  .rig = "[[sensor]]\nid = \"air\"\nbackend = \"twin\"\nquantity = "
-                         "\"temperature\"\nband = [19.0, 25.0]\n"});
-  sim.run();
-  const auto decisions = sim.decisions();
-  EXPECT_EQ(decisions[0], "captured");
-  EXPECT_EQ(decisions[30], "held");  // 03:00
-  EXPECT_EQ(decisions[47], "captured");
-  EXPECT_THAT(sim.reader().step(sim.run_id, 30)->reason, HasSubstr("temperature air"));
-  EXPECT_TRUE(sim.reader().shotsOfStep(sim.reader().step(sim.run_id, 30)->id).empty());
-  sim.expectWhole();
-}
-
-TEST(Session, GoesOnWithoutASensorThatFallsSilent) {
-  Simulation sim({.rig = "[[sensor]]\nid = \"lux0\"\nbackend = \"twin\"\nquantity = "
-                         "\"illuminance\"\n",
-                  .faults = "[[fault]]\nat = \"35min\"\ndevice = \"lux0\"\nkind = "
-                            "\"sensor_silent\"\nduration = \"30min\"\n"});
-  sim.run();
-  EXPECT_EQ(sim.decisions(), twelve("captured"));
-  int silent = 0;
-  for (const auto& reading : sim.reader().readings(sim.run_id))
-    silent += reading.quality == "silent" ? 1 : 0;
-  EXPECT_EQ(silent, 3);
-  EXPECT_EQ(sim.events("alarm").size(), 2u);
-}
-
 TEST(Session, StopsAfterTheFrameAndGoesOnAtTheNextStep) {
   Simulation sim({.lights = R"([["key"], ["fill"]])"});
   std::stop_source stop;
@@ -281,26 +144,6 @@ TEST(Session, ShootsByHandBetweenSteps) {
   sim.expectWhole();
 }
 
-TEST(Session, RefusesAPlanThatWasEditedWhileItsRunIsUnfinished) {
-  Simulation sim({});
-  std::stop_source stop;
-  sim.clock.at(sim.clock.mono() + 33min, [&] { stop.request_stop(); });
-  sim.run([&](capture::SessionHooks& hooks) { hooks.stop = stop.get_token(); });
-  const std::string first = sim.run_id;
-  sim.plan = capture::parsePlan(sim.plan.toml + "band = 0.05\n", sim.plan.source);
-  try {
-    sim.run();
-    FAIL() << "accepted";
-  } catch (const capture::CaptureError& error) {
-    EXPECT_THAT(error.what(), HasSubstr(first));
-    EXPECT_THAT(error.what(), HasSubstr("--new-run"));
-  }
-  sim.session_options.new_run = true;
-  EXPECT_EQ(sim.run().end, "finished");
-  EXPECT_NE(sim.run_id, first);
-  EXPECT_EQ(sim.reader().runs().front().state, "aborted");
-}
-
 TEST(Session, StopsCleanlyBeforeTheDiskIsFullAndGoesOnWhenThereIsRoom) {
   Simulation sim({.plan = "[disk]\nreserve = \"1GB\"\n"});
   FullDisk disk;
@@ -345,15 +188,6 @@ TEST(Session, EndsWhenTheArchiveIsUnpluggedAndARestartRecovers) {
   disk.unplugged = false;
   EXPECT_EQ(sim.run().end, "finished");
   sim.expectWhole();
-}
-
-TEST(Session, RaisesAnAlarmWhenThePictureClips) {
-  Simulation sim({.duration = "1h", .exposures = R"(["1/2"])"});
-  sim.run();
-  std::vector<std::string> alarms;
-  for (const auto& event : sim.events("alarm")) alarms.push_back(event.detail);
-  EXPECT_THAT(alarms, Contains(HasSubstr("clipping cam0 key begins")));
-  EXPECT_THAT(alarms, Contains(HasSubstr("saturated")));
 }
 
 TEST(Session, KeepsTheEventsOfAYearShort) {

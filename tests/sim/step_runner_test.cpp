@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/step_runner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/simulation.h"
+
+namespace patina::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+std::vector<std::string> twelve(const std::string& decision) {
+  return std::vector<std::string>(12, decision);
+}
+
+TEST(StepRunner, TakesACameraDownAndGoesOnWithTheOther) {
+  Simulation sim({.duration = "3h",
+                  .cameras = 2,
+                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"cam1\"\nkind = \"hang\"\n"
+                            "duration = \"60min\"\n"});
+  sim.run();
+  const auto decisions = sim.decisions();
+  EXPECT_EQ(std::count(decisions.begin(), decisions.end(), "failed"), 6);
+  for (const auto& step : sim.reader().steps(sim.run_id, db::Decision::kFailed)) {
+    EXPECT_EQ(step.shots_captured, 1);
+    EXPECT_THAT(step.reason, HasSubstr("cam1: timeout"));
+  }
+  EXPECT_EQ(decisions[12], "captured");  // within two intervals of the fault's end
+  const auto alarms = sim.events("alarm");
+  ASSERT_EQ(alarms.size(), 2u);
+  EXPECT_THAT(alarms[0].detail, HasSubstr("camera cam1 down begins"));
+  EXPECT_THAT(alarms[1].detail, HasSubstr("is over"));
+  sim.expectWhole();
+}
+
+TEST(StepRunner, HoldsWhileALampIsDeadAndGoesOnByItself) {
+  Simulation sim({.duration = "3h",
+                  .faults = "[[fault]]\nat = \"75min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"
+                            "duration = \"40min\"\n"});
+  sim.run();
+  std::vector<std::string> expected(18, "captured");
+  for (std::size_t k : {8, 9, 10}) expected[k] = "held";
+  EXPECT_EQ(sim.decisions(), expected);
+  const auto back = sim.reader().step(sim.run_id, 11);  // dead until 115 min, due at 110
+  EXPECT_GT(back->held, 4min);
+  EXPECT_GT(back->retries, 0);
+  EXPECT_THAT(sim.reader().step(sim.run_id, 9)->reason, HasSubstr("light key: patch:cam0"));
+  EXPECT_THAT(sim.events("alarm").back().detail, HasSubstr("light key is over"));
+  sim.expectWhole();
+}
+
+TEST(StepRunner, ShootsTheOtherLightsWhileOneIsHeld) {
+  Simulation sim({.lights = R"([["key"], ["fill"]])",
+                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
+  sim.run();
+  const auto step = sim.reader().step(sim.run_id, 7);
+  EXPECT_EQ(step->decision, db::Decision::kHeld);
+  EXPECT_EQ(step->shots_captured, 1);
+  sim.expectWhole();
+}
+
+TEST(StepRunner, AsksSeldomerTheLongerALightStaysAway) {
+  Simulation sim({.duration = "24h",
+                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
+  sim.run();
+  const auto last = sim.reader().step(sim.run_id, 143);
+  EXPECT_EQ(last->decision, db::Decision::kHeld);
+  EXPECT_LE(sim.reader().shotsOfStep(last->id).size(), 4u);
+}
+
+TEST(StepRunner, NeverHoldsInUncontrolledLight) {
+  Simulation sim({.light_check = "mode = \"uncontrolled\"",
+                  .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
+  sim.run();
+  EXPECT_EQ(sim.decisions(), twelve("captured"));
+  for (const auto& check : sim.reader().lightChecks(sim.run_id))
+    EXPECT_EQ(check.verdict, "measure");
+  sim.expectWhole();
+}
+
+TEST(StepRunner, HoldsOutsideTheBandOfATemperature) {
+  // The twin's room swings between 18 and 22 degrees, coolest at 03:00.
+  Simulation sim({.interval = "30min",
+                  .duration = "24h",
+                  .rig = "[[sensor]]\nid = \"air\"\nbackend = \"twin\"\nquantity = "
+                         "\"temperature\"\nband = [19.0, 25.0]\n"});
+  sim.run();
+  const auto decisions = sim.decisions();
+  EXPECT_EQ(decisions[0], "captured");
+  EXPECT_EQ(decisions[30], "held");  // 03:00
+  EXPECT_EQ(decisions[47], "captured");
+  EXPECT_THAT(sim.reader().step(sim.run_id, 30)->reason, HasSubstr("temperature air"));
+  EXPECT_TRUE(sim.reader().shotsOfStep(sim.reader().step(sim.run_id, 30)->id).empty());
+  sim.expectWhole();
+}
+
+TEST(StepRunner, GoesOnWithoutASensorThatFallsSilent) {
+  Simulation sim({.rig = "[[sensor]]\nid = \"lux0\"\nbackend = \"twin\"\nquantity = "
+                         "\"illuminance\"\n",
+                  .faults = "[[fault]]\nat = \"35min\"\ndevice = \"lux0\"\nkind = "
+                            "\"sensor_silent\"\nduration = \"30min\"\n"});
+  sim.run();
+  EXPECT_EQ(sim.decisions(), twelve("captured"));
+  int silent = 0;
+  for (const auto& reading : sim.reader().readings(sim.run_id))
+    silent += reading.quality == "silent" ? 1 : 0;
+  EXPECT_EQ(silent, 3);
+  EXPECT_EQ(sim.events("alarm").size(), 2u);
+}
+
+}  // namespace
+}  // namespace patina::testing

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "capture/step_runner.h"
+#include "tests/sim/simulation.h"
+
+namespace patina::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+std::vector<std::string> twelve(const std::string& decision) {
+  return std::vector<std::string>(12, decision);
+}
+
+TEST(StepShots, ShootsEveryCameraLightAndExposureOfASweep) {
+  Simulation sim({.lights = R"([["key"], ["key", "fill"], []])",
+                  .exposures = R"(["1/50", "1/10"])",
+                  .cameras = 2});
+  const auto summary = sim.run();
+  EXPECT_EQ(summary.last.captured, 12);
+  const auto step = sim.reader().step(sim.run_id, 5);
+  ASSERT_TRUE(step.has_value());
+  EXPECT_EQ(step->shots_captured, 12);
+  EXPECT_GT(step->spread, 200ms);
+  EXPECT_LT(step->spread, 2s);
+  sim.expectWhole();
+}
+
+struct Trouble {
+  const char* name;
+  const char* fault;
+  const char* event;  // that tells of it
+};
+class ShotInTrouble : public ::testing::TestWithParam<Trouble> {};
+
+TEST_P(ShotInTrouble, CapturesTheStepAllTheSameAndSaysSo) {
+  Simulation sim({.faults = std::string("[[fault]]\nat = \"65min\"\ndevice = \"cam0\"\nkind = \"") +
+                            GetParam().fault + "\"\n"});
+  sim.run();
+  EXPECT_EQ(sim.decisions(), twelve("captured"));
+  EXPECT_FALSE(sim.events(GetParam().event).empty());
+  sim.expectWhole();
+}
+
+INSTANTIATE_TEST_SUITE_P(OfOneCall, ShotInTrouble,
+                         ::testing::Values(Trouble{"hang", "hang", "recover"},
+                                           Trouble{"busy", "busy", "recover"},
+                                           Trouble{"lost", "lost", "recover"},
+                                           Trouble{"partial", "partial_file", "quarantine"},
+                                           Trouble{"twice", "duplicate", "stale"},
+                                           Trouble{"late", "late", "recover"},
+                                           Trouble{"stale", "stale_frame", "recover"},
+                                           Trouble{"size", "wrong_size", "quarantine"},
+                                           Trouble{"corrupt", "corrupt_bytes", "quarantine"}),
+                         [](const auto& trouble) { return std::string(trouble.param.name); });
+
+TEST(StepShots, RaisesAnAlarmWhenThePictureClips) {
+  Simulation sim({.duration = "1h", .exposures = R"(["1/2"])"});
+  sim.run();
+  std::vector<std::string> alarms;
+  for (const auto& event : sim.events("alarm")) alarms.push_back(event.detail);
+  EXPECT_THAT(alarms, Contains(HasSubstr("clipping cam0 key begins")));
+  EXPECT_THAT(alarms, Contains(HasSubstr("saturated")));
+}
+
+}  // namespace
+}  // namespace patina::testing
