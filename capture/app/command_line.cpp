@@ -77,6 +77,18 @@ Verb Verb::group(const std::string& name, const std::string& help) {
   return Verb(std::move(node));
 }
 
+Verb& Verb::byDefault(Action action) {
+  CLI::App* app = node_->app;
+  addGlobals(*app, node_->state->options);
+  app->require_subcommand(0, 1);
+  app->final_callback([app, state = node_->state, names = node_->names, action] {
+    if (!app->get_subcommands().empty()) return;
+    state->running = names;
+    state->action = action;
+  });
+  return *this;
+}
+
 Verb Verb::verb(const std::string& name, const std::string& help, const std::string& example,
                 Action action) {
   auto node = std::make_shared<Node>(*node_);
@@ -102,7 +114,7 @@ Verb& Verb::optional(const std::string& name, std::string& into, const std::stri
 }
 
 Verb& Verb::list(const std::string& name, std::vector<std::string>& into, const std::string& help) {
-  node_->app->add_option(name, into, help)->required()->type_name("");
+  node_->app->add_option(name, into, help)->type_name("");
   return *this;
 }
 

@@ -33,6 +33,7 @@ class Verb {
   using Take = std::function<void(const std::string&)>;  // may throw ProcessingError(kUsage)
 
   Verb group(const std::string& name, const std::string& help);  // holds verbs, does nothing itself
+  Verb& byDefault(Action action);                                // of a group that is named alone
   Verb verb(const std::string& name, const std::string& help, const std::string& example,
             Action action);
 

@@ -29,7 +29,12 @@ void print(const std::string& text) {
   throw AppError(Exit::kIo, "cannot write to the standard output");
 }
 
-void addVerbs(CommandLine& line) { addPlanVerbs(line.root()); }
+void addVerbs(CommandLine& line) {
+  for (const auto add : {addPlanVerbs, addRehearseVerb, addCaptureVerb, addImportVerb,
+                         addArchiveVerbs, addLightVerbs, addCalibrateVerbs, addTtfVerbs,
+                         addFilmVerbs, addSheetVerbs, addSynthVerbs, addTwinVerbs})
+    add(line.root());
+}
 
 int runVerb(CommandLine& line, int argc, char** argv, Signals& signals) {
   const GlobalOptions& options = line.options();

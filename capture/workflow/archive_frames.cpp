@@ -139,6 +139,8 @@ void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection
     report_.largest.width = std::max(report_.largest.width, size.width);
     report_.largest.height = std::max(report_.largest.height, size.height);
     report_.exposure_time = chosen.shot.exposure;
+    const std::string& ext = chosen.frame.ext;
+    report_.display_referred = ext == "jpg" || ext == "jpeg" || ext == "png" || ext == "tif";
     report_.input_sha256s.push_back(chosen.frame.sha256.hex());
     chosen_.push_back(std::move(chosen));
   }

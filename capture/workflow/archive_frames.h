@@ -42,6 +42,7 @@ struct FramesReport {
   std::vector<std::string> masters;        // "dark cal 3: 2.1 days, 0.4 K away"
   std::vector<std::string> masters_left;   // why one was not used
   std::vector<std::string> input_sha256s;  // frames, then masters
+  bool display_referred = false;           // JPEG, PNG and the like: exposed for the eye already
   double gain_min = 1, gain_max = 1;       // over the frames given so far
 };
 

@@ -40,6 +40,13 @@ std::optional<double> Facts::number(const std::string& key) const {
   return std::nullopt;
 }
 
+bool Facts::flag(const std::string& key) const {
+  for (const auto& [name, value] : values_)
+    if (name == key)
+      if (const auto* flag = std::get_if<bool>(&value)) return *flag;
+  return false;
+}
+
 std::string Facts::json() const {
   Json object = Json::object();
   for (const auto& [name, value] : values_)

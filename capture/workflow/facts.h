@@ -24,6 +24,7 @@ class Facts {
 
   std::optional<std::string> text(const std::string& key) const;
   std::optional<double> number(const std::string& key) const;  // of a count too
+  bool flag(const std::string& key) const;                     // false when it is not there
   const std::vector<std::pair<std::string, Value>>& all() const { return values_; }
 
   std::string json() const;                              // one line; same facts, same bytes

@@ -2,7 +2,6 @@
 #include "capture/workflow/film.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "capture/workflow/failure.h"
 #include "processing/image/film_file.h"
@@ -51,21 +50,6 @@ FilmOutcome makeFilm(const Sequence& sequence, const FilmRequest& request,
   }
   film.close();
   return outcome;
-}
-
-std::string timeLabel(double time_s, double span_s) {
-  const auto seconds = static_cast<long long>(std::floor(time_s + 0.5));
-  const long long day = seconds / 86400, hour = seconds / 3600 % 24, minute = seconds / 60 % 60;
-  char text[48];
-  if (span_s >= 20 * 86400.0)
-    std::snprintf(text, sizeof text, "day %lld", day);
-  else if (span_s >= 86400.0)
-    std::snprintf(text, sizeof text, "day %lld %02lld:%02lld", day, hour, minute);
-  else if (span_s >= 300)
-    std::snprintf(text, sizeof text, "%02lld:%02lld h", day * 24 + hour, minute);
-  else
-    std::snprintf(text, sizeof text, "%.1f s", time_s);
-  return text;
 }
 
 }  // namespace patina::workflow

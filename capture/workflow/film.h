@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Films, contact sheets and keograms of a sequence.
+// A film of a sequence.
 #pragma once
 
 #include <filesystem>
@@ -31,8 +31,5 @@ FilmOutcome makeFilm(const Sequence& sequence, const FilmRequest& request,
 
 // The customary rate under which `frames` last nearest to 15 s.
 double filmRate(std::int64_t frames);
-
-// "day 3 04:10": time since the start, as coarse as `span` allows.
-std::string timeLabel(double time_s, double span_s);
 
 }  // namespace patina::workflow

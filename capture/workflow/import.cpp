@@ -155,7 +155,8 @@ class Importer {
     db::Archive archive(opening);
     archive_ = &archive;
     begin(listing);
-    progress_.begin("importing", static_cast<std::int64_t>(listing.steps.size()));
+    progress_.begin("importing", listing.film ? listing.film_frames
+                                              : static_cast<std::int64_t>(listing.steps.size()));
     StepStream stream(listing, options_.listing.source);
     while (auto step = stream.next()) {
       store(*step);
@@ -192,6 +193,7 @@ class Importer {
     run.interval = listing.interval;
     if (!listing.steps.empty())
       run.duration = listing.steps.back().due_utc - listing.t0_utc + listing.interval;
+    if (listing.film) run.duration = listing.film_frames * listing.interval;
     report_.run_id = run.id;
     archive_->beginRun(
         run, {0, options_.specimen, options_.process, options_.description, options_.licence});

@@ -11,6 +11,7 @@
 #include "capture/workflow/failure.h"
 #include "capture/workflow/lights_file.h"
 #include "capture/workflow/picture_times.h"
+#include "processing/image/film_file.h"
 #include "processing/image/metadata_file.h"
 #include "processing/image/sha256.h"
 
@@ -168,6 +169,14 @@ void listByLights(Listing& listing, const ListingOptions& options) {
   listing.steps.push_back(std::move(step));
 }
 
+// By decoding them: what a container says of itself may be wrong.
+std::int64_t countFrames(const fs::path& film) {
+  FilmReader reader(film);
+  std::int64_t frames = 0;
+  while (reader.next()) ++frames;
+  return frames;
+}
+
 std::string fingerprintOf(const Listing& listing, const ListingOptions& options) {
   std::string text = "import/1\n";
   if (listing.film) text += sha256OfFile(options.source).hex() + "\n";
@@ -214,6 +223,7 @@ Listing listSource(const ListingOptions& options) {
                                             " is a film: its frames have no times of their own; "
                                             "give --interval, as --interval 10min");
     listing.film = true;
+    listing.film_frames = countFrames(options.source);
     listing.interval = options.interval;
     listing.t0_utc = options.start_utc ? *options.start_utc : modifiedTime(options.source);
   } else {

@@ -40,6 +40,7 @@ struct ListedLight {
 };
 struct Listing {
   bool film = false;  // steps are made as frames come: `steps` stays empty
+  std::int64_t film_frames = 0;
   std::vector<ListedStep> steps;
   std::vector<ListedLight> lights;
   Nanoseconds interval{};                 // zero: the times have no rhythm

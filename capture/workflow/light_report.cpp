@@ -22,9 +22,9 @@ void take(LightSeriesReport& series, const db::LightCheckRow& check, UtcTime t0)
   if (!(check.baseline > 0)) return;
   series.ratio_min = std::min(series.ratio_min, check.ratio);
   series.ratio_max = std::max(series.ratio_max, check.ratio);
-  series.time_h.push_back(toSeconds(check.utc - t0) / 3600);
+  series.time_s.push_back(toSeconds(check.utc - t0));
   series.ratio.push_back(check.ratio);
-  series.good.push_back(isGoodVerdict(check.verdict));
+  series.verdict.push_back(check.verdict);
 }
 
 // Checks that are not good belong to one spell until a good one of the same light comes between.

@@ -19,8 +19,9 @@ struct LightSeriesReport {
   std::int64_t checks = 0;
   double ratio_min = 1, ratio_max = 1;  // level / baseline; of checks with a baseline
   double gain_min = 1, gain_max = 1;    // of the frames that were corrected
-  std::vector<double> time_h, ratio;    // of every check with a baseline, for a chart
-  std::vector<bool> good;               // beside them: neither hold nor worse
+  // Of every check with a baseline, for a chart.
+  std::vector<double> time_s, ratio;
+  std::vector<std::string> verdict;
 };
 struct BadSpell {
   std::string light, verdict;  // the commonest verdict in it

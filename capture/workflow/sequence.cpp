@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "capture/workflow/facts.h"
+#include "capture/workflow/failure.h"
 #include "processing/image/encoding.h"
 
 namespace patina::workflow {
@@ -29,7 +31,6 @@ class TtfFrames final : public ttf::FrameSource {
 };
 
 constexpr double kShareBelow = 0.995, kTarget = 0.9;
-constexpr double kDisplayReferredLeast = 0.6, kDisplayReferredMost = 1.001;
 
 }  // namespace
 
@@ -40,6 +41,7 @@ Sequence sequenceOfTtf(const std::filesystem::path& file) {
   sequence.frames = reader->info().frames;
   sequence.size = {reader->info().width, reader->info().height};
   sequence.t0_utc = reader->info().t0_utc;
+  sequence.display_referred = isDisplayReferred(reader->info());
   sequence.input_sha256s = {sha256OfFile(file).hex()};
   sequence.open = [reader](int every) { return std::make_unique<TtfFrames>(reader, every); };
   return sequence;
@@ -53,6 +55,7 @@ Sequence sequenceOfRun(std::shared_ptr<const db::ArchiveReader> reader, const st
   sequence.frames = frames.count();
   sequence.size = frames.report().size;
   sequence.t0_utc = reader->findRun(run_id).t0_utc;
+  sequence.display_referred = frames.report().display_referred;
   sequence.input_sha256s = frames.report().input_sha256s;
   sequence.open = [=](int every) {
     FrameSelection thinned = selection;
@@ -62,7 +65,16 @@ Sequence sequenceOfRun(std::shared_ptr<const db::ArchiveReader> reader, const st
   return sequence;
 }
 
+bool isDisplayReferred(const ttf::TtfInfo& info) {
+  try {
+    return Facts::parse(info.provenance_json).flag("options.display_referred");
+  } catch (const WorkflowError&) {
+    return false;  // another program's file may say of itself what it likes
+  }
+}
+
 double displayGain(const Sequence& sequence, Progress& progress) {
+  if (sequence.display_referred) return 1;
   const auto source =
       sequence.open(static_cast<int>(std::max<std::int64_t>(1, sequence.frames / 9)));
   progress.begin("looking at the exposure", source->count());
@@ -78,9 +90,7 @@ double displayGain(const Sequence& sequence, Progress& progress) {
                                          kShareBelow * static_cast<double>(samples.size() - 1));
   std::nth_element(samples.begin(), nth, samples.end());
   const double bright = *nth;
-  if (!(bright > 1e-6) || (bright >= kDisplayReferredLeast && bright <= kDisplayReferredMost))
-    return 1;
-  return kTarget / bright;
+  return bright > 1e-6 ? kTarget / bright : 1;
 }
 
 Image<std::uint8_t> toDisplay(ImageView<const float> linear, double gain) {

@@ -11,6 +11,7 @@ Facts optionsOf(const TtfRequest& request, const FramesReport& frames, SizePx si
   options.text("camera", frames.camera);
   options.text("light", frames.light);
   options.count("exposure", frames.exposure);
+  options.set("display_referred", frames.display_referred);
   options.count("every", request.selection.every);
   options.set("partial", request.selection.partial);
   options.set("light_gain", request.correction.light_gain);

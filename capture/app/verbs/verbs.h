@@ -7,5 +7,16 @@
 namespace patina::app {
 
 void addPlanVerbs(Verb root);
+void addRehearseVerb(Verb root);
+void addCaptureVerb(Verb root);
+void addImportVerb(Verb root);
+void addArchiveVerbs(Verb root);
+void addLightVerbs(Verb root);
+void addCalibrateVerbs(Verb root);
+void addTtfVerbs(Verb root);
+void addFilmVerbs(Verb root);
+void addSheetVerbs(Verb root);
+void addSynthVerbs(Verb root);
+void addTwinVerbs(Verb root);
 
 }  // namespace patina::app

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// patina film IN OUT.mp4: a texture or a run as a film.
+#include "capture/workflow/film.h"
+
+#include "capture/app/context.h"
+#include "capture/app/verbs/film_verbs.h"
+#include "capture/app/verbs/verbs.h"
+
+namespace patina::app {
+namespace {
+
+void film(Context& context, const ShowingOptions& options, double rate) {
+  const workflow::Sequence sequence = openSequence(context, options.in, options);
+  workflow::FilmRequest request;
+  request.show = options.show;
+  request.frames_per_second = rate;
+  const workflow::FilmOutcome outcome =
+      workflow::makeFilm(sequence, request, options.out, context.progress);
+  context.out.asList();
+  context.out.add(std::move(Item()
+                                .set("path", options.out.c_str())
+                                .set("frames", outcome.frames)
+                                .set("frames_per_second", Value{outcome.frames_per_second})
+                                .set("length_ns", outcome.length)
+                                .set("width_px", outcome.size.width)
+                                .set("height_px", outcome.size.height)
+                                .set("gain", Value{outcome.gain})));
+}
+
+}  // namespace
+
+void addShowingOptions(Verb& verb, ShowingOptions& options, const std::string& in,
+                       const std::string& out) {
+  verb.required("IN", options.in, in)
+      .required("OUT", options.out, out)
+      .option(
+          "--exposure-stops", options.show.exposure,
+          [](const std::string& text) {
+            char* end = nullptr;
+            const double stops = std::strtod(text.c_str(), &end);
+            if (end == text.c_str() || *end != '\0' || !(stops >= -20 && stops <= 20))
+              throw AppError(Exit::kUsage, "'" + text + "' is no number of stops (-20 to 20)");
+            return Stops{stops};
+          },
+          "X",
+          "Brighter (or darker) than the linear values (default: chosen once, for all frames)");
+  addFrameOptions(verb, options);
+}
+
+void addFilmVerbs(Verb root) {
+  auto o = std::make_shared<ShowingOptions>();
+  auto rate = std::make_shared<double>(0);
+  Verb verb =
+      root.verb("film", "A texture or a run as a film (H.264)", "patina film ivy.h5 ivy.mp4",
+                [o, rate](Context& context) { film(context, *o, *rate); });
+  addShowingOptions(verb, *o, "A texture's .h5 file, or a texture or run of the archive",
+                    "The film to write: .mp4");
+  verb.option("--fps", *rate, 0.1, 240.0, "Frames a second (default: so that it lasts about 15 s)");
+}
+
+}  // namespace patina::app

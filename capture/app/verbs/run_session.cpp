@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/app/verbs/run_session.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <csignal>
+
+#include "capture/app/verbs/specimen_place.h"
+#include "db/power_cut.h"
+#include "devices/fault/faulty_devices.h"
+#include "devices/twin/twin.h"
+
+namespace patina::app {
+namespace {
+
+// One line a frame that was acknowledged, written before the next shot: what an outside process may
+// hold the archive to.
+class AckLog {
+ public:
+  explicit AckLog(const std::string& where) {
+    if (where.empty()) return;
+    const auto [end, error] = std::from_chars(where.data(), where.data() + where.size(), fd_);
+    if (error == std::errc() && end == where.data() + where.size()) return;
+    fd_ = open(where.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (fd_ < 0) throw AppError(Exit::kCannotCreate, "cannot write " + where);
+    owned_ = true;
+  }
+  ~AckLog() {
+    if (owned_) close(fd_);
+  }
+  AckLog(const AckLog&) = delete;
+  AckLog& operator=(const AckLog&) = delete;
+
+  void take(const std::string& run_id, const db::FrameRow& frame) const {
+    if (fd_ < 0) return;
+    const std::string line = "ack " + run_id + " " + std::to_string(frame.shot_id) + " " +
+                             std::to_string(frame.file_index) + " " + frame.sha256.hex() + " " +
+                             std::to_string(frame.bytes) + "\n";
+    if (write(fd_, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
+      throw AppError(Exit::kIo, "cannot write the log of acknowledged frames");
+  }
+
+ private:
+  int fd_ = -1;
+  bool owned_ = false;
+};
+
+void requireBackends(const devices::RigSpec& rig) {
+  const auto require = [](const std::string& device, const std::string& backend) {
+    if (backend != "twin")
+      throw AppError(Exit::kUnavailable, device + " asks for the backend '" + backend +
+                                             "'; this build has: twin (the simulated rig)");
+  };
+  for (const auto& camera : rig.cameras) require(camera.id, camera.backend);
+  for (const auto& light : rig.lights) require(light.id, light.backend);
+  for (const auto& sensor : rig.sensors) require(sensor.id, sensor.backend);
+  for (const auto& trigger : rig.triggers) require(trigger.id, trigger.backend);
+}
+
+devices::Rig openRig(const RunFiles& files, const capture::RunStart& start, devices::Clock& clock) {
+  requireBackends(files.rig);
+  devices::twin::TwinOptions options;
+  options.seed = files.plan.seed;
+  options.duration = files.plan.duration;
+  options.start_utc = start.t0_utc;
+  options.faults = files.faults;
+  devices::Rig rig = devices::twin::makeTwinRig(files.rig, options, clock);
+  if (files.faults.faults.empty()) return rig;
+  const MonoTime began = clock.mono() - (clock.utc() - start.t0_utc);
+  return devices::withFaults(std::move(rig), files.faults, began, clock);
+}
+
+std::string statusLine(const capture::SessionStatus& status) {
+  std::string line = "step " + std::to_string(status.step) + "/" + std::to_string(status.steps) +
+                     "  next " + formatUtc(status.next_due_utc).substr(0, 19) + "  captured " +
+                     std::to_string(status.captured);
+  const auto unless_none = [&line](const char* name, std::int64_t count) {
+    if (count > 0) line += std::string("  ") + name + " " + std::to_string(count);
+  };
+  unless_none("held", status.held);
+  unless_none("missed", status.missed);
+  unless_none("skipped", status.skipped);
+  unless_none("failed", status.failed);
+  if (!status.light.empty()) line += "  light " + status.light;
+  if (status.disk_free_bytes > 0) line += "  disk " + formatBytes(status.disk_free_bytes);
+  if (!status.note.empty()) line += "  " + status.note;
+  return line;
+}
+
+Item summaryItem(const capture::SessionSummary& summary, const capture::RunStart& start) {
+  const capture::SessionStatus& last = summary.last;
+  return std::move(Item()
+                       .set("run_id", start.run_id.c_str())
+                       .set("end", summary.end.c_str())
+                       .set("t0_utc_ns", start.t0_utc)
+                       .hidden("resumed", start.resumed)
+                       .set("steps", last.steps)
+                       .set("captured", last.captured)
+                       .set("held", last.held)
+                       .set("skipped", last.skipped)
+                       .set("missed", last.missed)
+                       .set("failed", last.failed)
+                       .set("partial", last.partial)
+                       .set("event_log_sha256", summary.event_log_sha256.c_str()));
+}
+
+}  // namespace
+
+void addRunOptions(Verb& verb, const std::shared_ptr<RunOptions>& options) {
+  verb.required("PLAN", options->plan, "The plan's .toml file")
+      .flag("--new-run", options->new_run, "Leave an unfinished run as it is and begin another")
+      .option("--log-acks", options->log_acks, "FILE", "A line for each acknowledged frame")
+      .option("--power-cut-log", options->power_cut_log, "DIR", "What a power cut would undo")
+      .conceal("--log-acks")
+      .conceal("--power-cut-log");
+}
+
+RunFiles readRunFiles(const Context& context, const std::string& plan) {
+  RunFiles files;
+  files.plan = capture::readPlan(plan);
+  files.rig = devices::readRig(files.plan.rig_file);
+  capture::checkAgainst(files.plan, files.rig);
+  if (context.options.seed) files.plan.seed = *context.options.seed;
+  if (files.rig.twin && files.rig.twin->faults)
+    files.faults = devices::readFaults(*files.rig.twin->faults);
+  devices::checkAgainst(files.faults, files.rig);
+  return files;
+}
+
+OwnedArchive::OwnedArchive(const Context& context, const RunOptions& options,
+                           std::function<void(db::CommitPoint)> at_point) {
+  db::ArchiveOptions opening;
+  opening.folder = context.archive();
+  opening.owner = context.command;
+  opening.at_point = std::move(at_point);
+  if (!options.power_cut_log.empty()) {
+    files_ = std::make_unique<db::PowerCutFiles>(db::realFileOps(), options.power_cut_log);
+    opening.files = files_.get();
+  }
+  archive_ = std::make_unique<db::Archive>(opening);
+}
+
+OwnedArchive::~OwnedArchive() = default;
+
+void runToEnd(Context& context, const RunOptions& options, const RunFiles& files,
+              OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start) {
+  const AckLog acks(options.log_acks);
+  std::stop_source stop;
+  capture::SessionHooks hooks;
+  hooks.stop = stop.get_token();
+  hooks.shoot_now = &context.signals.shootNow();
+  hooks.on_status = [&](const capture::SessionStatus& status) {
+    context.progress.status(statusLine(status));
+  };
+  hooks.on_acknowledged = [&](const db::FrameRow& frame) { acks.take(start.run_id, frame); };
+  if (start.resumed) context.verbose("going on with " + start.run_id);
+  capture::SessionSummary summary;
+  {
+    devices::Rig rig = openRig(files, start, clock);
+    context.signals.onStop([&stop] { stop.request_stop(); });
+    summary = capture::runSession(files.plan, rig, *archive, clock, start, hooks);
+  }
+  context.progress.clear();
+  Progress& progress = context.progress;
+  context.signals.onStop([&progress] { progress.askToStop(); });
+  Item item = summaryItem(summary, start);
+  if (summary.end == "finished") return finishAfter(context, files, start.run_id, std::move(item));
+  context.out.asList();
+  context.out.add(std::move(item));
+  context.out.say("Stopped; the same command goes on at the next step.");
+  if (summary.end == "disk") {
+    context.exit_code = static_cast<int>(Exit::kCannotCreate);
+    context.warn("the disk is full: nothing acknowledged is lost; make room and run it again");
+  } else if (context.signals.received() == SIGINT) {
+    context.exit_code = 128 + SIGINT;
+  }
+}
+
+void finishAfter(Context& context, const RunFiles& files, const std::string& run_id, Item item) {
+  workflow::AfterOptions after;
+  after.steps = files.plan.after;
+  after.version = PATINA_VERSION;
+  after.seed = files.plan.seed;
+  if (files.rig.twin) after.process = files.rig.twin->specimen;
+  after.place = [&files](const std::string& camera) { return placeOfSpecimen(files.rig, camera); };
+  const auto products = workflow::finishRun(
+      context.archive(), run_id, after, [&context] { return context.clock.utc(); },
+      context.progress);
+  std::vector<std::string> paths;
+  for (const workflow::AfterProduct& product : products) paths.push_back(product.path.string());
+  if (!paths.empty()) item.set("products", Value{paths});
+  context.out.asList();
+  context.out.add(std::move(item));
+}
+
+}  // namespace patina::app

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// patina synth quilt: a larger texture from a smaller one, block by block.
+#include "capture/app/context.h"
+#include "capture/app/verbs/verbs.h"
+#include "capture/workflow/products.h"
+#include "capture/workflow/sequence.h"
+#include "processing/synthesis/quilting/ttf_quilting.h"
+
+namespace patina::app {
+namespace {
+
+struct Options {
+  std::string in, out;
+  quilting::QuiltingOptions quilting;
+  double rank_error = 0;
+};
+
+std::string sizeText(SizePx size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
+  workflow::Making making;
+  making.command = "patina synth quilt";
+  making.seed = options.quilting.seed;
+  making.version = PATINA_VERSION;
+  making.input_sha256s = {sha256OfFile(options.in).hex()};
+  making.options.set("display_referred", workflow::isDisplayReferred(input));
+  making.options.text("size", sizeText(options.quilting.size));
+  making.options.text("block", sizeText(options.quilting.block_px));
+  making.options.count("overlap", options.quilting.overlap_px);
+  making.options.count("rank", options.quilting.svd_rank);
+  if (options.quilting.rank_error)
+    making.options.number("rank_error", *options.quilting.rank_error);
+  making.options.number("tolerance", options.quilting.tolerance);
+  return making;
+}
+
+void quilt(Context& context, Options& options) {
+  if (options.quilting.tile)
+    throw AppError(Exit::kUnavailable,
+                   "--tile is not built yet; without it the result does not wrap around");
+  options.quilting.seed = context.seed();
+  if (options.rank_error > 0) options.quilting.rank_error = options.rank_error;
+  const ttf::TtfReader input(options.in);
+  const quilting::QuiltingReport report =
+      quilting::quiltTtf(input, options.quilting, options.out,
+                         makingOf(options, input.info()).facts().json(), context.progress);
+  context.out.asList();
+  context.out.add(std::move(Item()
+                                .set("path", options.out.c_str())
+                                .set("width_px", options.quilting.size.width)
+                                .set("height_px", options.quilting.size.height)
+                                .set("frames", input.info().frames)
+                                .set("blocks", report.blocks)
+                                .set("rank", report.rank)
+                                .set("svd_error", Value{report.svd_error})
+                                .set("seam_cost_mean", Value{report.seam_cost_mean})
+                                .set("seam_ratio", Value{report.seam_ratio})
+                                .set("seam_ratio_frames", Value{report.seam_ratio_frames})
+                                .set("seed", static_cast<std::int64_t>(options.quilting.seed))));
+}
+
+}  // namespace
+
+void addSynthVerbs(Verb root) {
+  Verb synth = root.group("synth", "New textures from captured ones");
+  auto o = std::make_shared<Options>();
+  synth
+      .verb("quilt", "Any size, from blocks of the sample with their whole history",
+            "patina synth quilt ivy.h5 --size 600x960 --out quilted.h5",
+            [o](Context& context) { quilt(context, *o); })
+      .required("IN", o->in, "A texture's .h5 file")
+      .option("--size", o->quilting.size, parseSize, "WxH", "Of the result, in pixels")
+      .option("--block", o->quilting.block_px, parseSize, "WxH", "Of a block; tall for what grows")
+      .option("--overlap", o->quilting.overlap_px, 0, 4096,
+              "Of neighbouring blocks, in pixels (default: a quarter of a block)")
+      .option("--rank", o->quilting.svd_rank, 1, 1000, "Components to compare blocks by, at most")
+      .option("--rank-error", o->rank_error, 0.0, 1.0, "As many components as this error needs")
+      .option("--tolerance", o->quilting.tolerance, 0.0, 10.0,
+              "A block may be this much worse than the best")
+      .flag("--tile", o->quilting.tile, "A result that wraps around (comes later)")
+      .option("--out", o->out, "FILE.h5", "Where to")
+      .demand("--size")
+      .demand("--out");
+}
+
+}  // namespace patina::app

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// patina ttf build: frames of a run become a time-varying texture.
+#include "capture/app/context.h"
+#include "capture/app/verbs/frame_options.h"
+#include "capture/app/verbs/specimen_place.h"
+#include "capture/app/verbs/ttf_verbs.h"
+#include "capture/workflow/ttf_product.h"
+
+namespace patina::app {
+namespace {
+
+struct Options : FrameOptions {
+  workflow::TtfRequest request;
+  std::optional<RectPx> region;
+  bool whole = false;
+  std::string out;
+};
+
+// The twin knows where its specimen is; of another rig's picture everything is taken.
+void placeRegion(Options& options, const std::filesystem::path& archive) {
+  workflow::TtfRequest& request = options.request;
+  request.build.region = options.region;
+  if (options.region || options.whole) return;
+  const db::ArchiveReader reader(archive);
+  const db::RunRow run = reader.findRun(request.run);
+  if (run.state == "imported" || run.rig_toml.empty()) return;
+  const devices::RigSpec rig = devices::parseRig(run.rig_toml, run.id + ": its rig");
+  const std::string camera = !options.selection.camera.empty() ? options.selection.camera
+                             : rig.cameras.size() == 1         ? rig.cameras.front().id
+                                                               : std::string();
+  const workflow::SpecimenPlace place = placeOfSpecimen(rig, camera);
+  request.build.region = place.region;
+  request.build.mm_per_texel = place.mm_per_texel;
+  if (request.process.empty() && rig.twin) request.process = rig.twin->specimen;
+}
+
+void build(Context& context, Options& options) {
+  workflow::TtfRequest& request = options.request;
+  request.selection = options.selection;
+  request.correction = correctionOf(options);
+  request.out = options.out;
+  request.command = "patina ttf build";
+  request.version = PATINA_VERSION;
+  request.seed = context.seed();
+  placeRegion(options, context.archive());
+  const workflow::TtfOutcome outcome =
+      workflow::makeTtf(context.archive(), request, context.clock.utc(), context.progress);
+  const workflow::FramesReport& frames = outcome.frames;
+  for (const std::string& why : frames.masters_left) context.warn("not used: " + why);
+  if (frames.sizes > 1)
+    context.warn("frames of " + std::to_string(frames.sizes) + " sizes were cut to " +
+                 std::to_string(frames.size.width) + "x" + std::to_string(frames.size.height) +
+                 " about the centre");
+  if (frames.steps_partial_left_out > 0)
+    context.warn(std::to_string(frames.steps_partial_left_out) +
+                 " steps that are not whole were left out; --partial takes them too");
+  context.out.asList();
+  context.out.add(std::move(Item()
+                                .set("id", outcome.product.id.c_str())
+                                .set("path", outcome.path.c_str())
+                                .set("run_id", outcome.product.run_id.c_str())
+                                .set("frames", outcome.build.frames)
+                                .set("width_px", outcome.size.width)
+                                .set("height_px", outcome.size.height)
+                                .set("camera", frames.camera.c_str())
+                                .set("light", frames.light.c_str())
+                                .set("exposure", frames.exposure)
+                                .set("gain_min", Value{frames.gain_min})
+                                .set("gain_max", Value{frames.gain_max})
+                                .set("calibrations", Value{frames.masters})
+                                .set("clipped_samples", outcome.build.clipped_samples)
+                                .set("steps_partial_left_out", frames.steps_partial_left_out)
+                                .set("sha256", outcome.product.sha256.c_str())));
+}
+
+}  // namespace
+
+void addTtfBuild(Verb ttf) {
+  auto o = std::make_shared<Options>();
+  o->request.run = "latest";
+  Verb verb = ttf.verb("build", "Frames of one camera, light and exposure become a texture volume",
+                       "patina ttf build --archive ivy --run latest --out ivy.h5",
+                       [o](Context& context) { build(context, *o); });
+  verb.option("--run", o->request.run, "RUN", "A run's id, a prefix of one, or latest")
+      .option("--out", o->out, "FILE.h5", "Where to (default: inside the archive)")
+      .option("--roi", o->region, parseRect, "X,Y,W,H",
+              "Region of the pictures (default: the twin's specimen; else all)")
+      .flag("--whole", o->whole, "The whole picture, also of a twin")
+      .option("--scale", o->request.build.scale, 1e-6, 1e6, "Linear value stored as 65535")
+      .flag("--compress", o->request.build.compress, "Smaller and slower")
+      .option("--process", o->request.process, "NAME", "For the TTF database: ripening ...")
+      .option("--licence", o->request.licence, "NAME", "For the TTF database: CC-BY-4.0 ...");
+  addFrameOptions(verb, *o);
+}
+
+}  // namespace patina::app
