@@ -97,7 +97,13 @@ Database::Database(Scratch) : file_("scratch") {
 
 Database::~Database() {
   // Statements are gone by now: they are members declared after their database.
+  sqlite3_finalize(begin_);
+  sqlite3_finalize(commit_);
   sqlite3_close(handle_);
+}
+
+void Database::gatherWrites(bool gather) {
+  if (vfs_) vfs_->gatherWrites(gather);
 }
 
 void Database::fail(int code, const std::string& doing) {
@@ -218,7 +224,19 @@ bool Statement::isNull(int column) const {
 const char* Statement::sql() const { return sqlite3_sql(statement_); }
 
 Transaction::Transaction(Database& database) : database_(database) {
-  database_.run("BEGIN IMMEDIATE");
+  runPrepared("BEGIN IMMEDIATE", database.begin_);
+}
+
+void Transaction::runPrepared(const char* sql, sqlite3_stmt*& statement) {
+  sqlite3* handle = database_.handle();
+  int code = SQLITE_OK;
+  if (statement == nullptr)
+    code = sqlite3_prepare_v3(handle, sql, -1, SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
+  if (code == SQLITE_OK) {
+    code = sqlite3_step(statement);
+    sqlite3_reset(statement);
+  }
+  if (code != SQLITE_DONE) database_.fail(code, "writing");
 }
 
 Transaction::~Transaction() {
@@ -227,7 +245,7 @@ Transaction::~Transaction() {
 }
 
 void Transaction::commit() {
-  database_.run("COMMIT");
+  runPrepared("COMMIT", database_.commit_);
   open_ = false;
 }
 

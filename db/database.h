@@ -34,14 +34,17 @@ class Database {
   void run(const std::string& sql);  // any number of statements, no rows
   std::int64_t number(const std::string& sql);
   int changes() const;
+  void gatherWrites(bool gather);  // see SqliteVfs
   const std::filesystem::path& file() const { return file_; }
   sqlite3* handle() const { return handle_; }
   [[noreturn]] void fail(int code, const std::string& doing);
 
  private:
   std::filesystem::path file_;
+  friend class Transaction;
   std::unique_ptr<SqliteVfs> vfs_;
   sqlite3* handle_ = nullptr;
+  sqlite3_stmt *begin_ = nullptr, *commit_ = nullptr;  // prepared by the first Transaction
 };
 
 // Prepared once, run often. Text is copied.
@@ -96,6 +99,7 @@ class Transaction {
   void commit();
 
  private:
+  void runPrepared(const char* sql, sqlite3_stmt*& statement);
   Database& database_;
   bool open_ = true;
 };

@@ -110,8 +110,9 @@ void configureWriter(Database& database, Durability durability) {
   refuseForeign(database);
   refuseNewer(database, versionOf(database));
   database.run("PRAGMA journal_mode=WAL; PRAGMA wal_autocheckpoint=2000");
-  database.run(durability == Durability::kFull ? "PRAGMA synchronous=FULL"
-                                               : "PRAGMA synchronous=NORMAL");
+  const bool full = durability == Durability::kFull;
+  database.run(full ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL");
+  database.gatherWrites(full);
 }
 
 void createTables(Database& database) {

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <vector>
 
 namespace patina::db {
 
@@ -18,6 +19,9 @@ struct SqliteVfs::State {
   FileOps* files = nullptr;
   std::string name;
   std::atomic<int> error{0};
+  bool gather = false;
+  // After EIO from a sync the kernel may call lost pages clean: nothing more is promised.
+  bool sync_failed = false;
 
   // Answers a SQLite code for -errno.
   int failed(std::int64_t answer, int code) {
@@ -27,6 +31,8 @@ struct SqliteVfs::State {
 };
 
 namespace {
+
+constexpr std::size_t kTogether = 1 << 16;  // bytes of one write at most
 
 // The file that SQLite's unix VFS opened, as a db::File. The owner of `inner` closes it.
 class UnixFile final : public File {
@@ -43,6 +49,8 @@ class UnixFile final : public File {
     return std::clamp<std::int64_t>(bytes - offset, 0, static_cast<std::int64_t>(into.size()));
   }
   std::int64_t write(std::span<const std::byte> data, std::int64_t offset) override {
+    // The unix VFS takes the length modulo 128 KiB.
+    data = data.first(std::min<std::size_t>(data.size(), kTogether));
     const int code =
         inner_->pMethods->xWrite(inner_, data.data(), static_cast<int>(data.size()), offset);
     return code == SQLITE_OK ? static_cast<std::int64_t>(data.size()) : answer(code);
@@ -76,19 +84,44 @@ struct Layer {
   File* file;              // owned; adopted by the FileOps
   const char* path;        // SQLite's, lives as long as the file is open
   bool folder_needs_sync;  // the file was created by us and never synced
+  bool is_wal;
+  std::vector<std::byte>* held;  // owned; written by SQLite, not yet by us
+  std::int64_t held_at;
 };
 
 Layer* layer(sqlite3_file* file) { return reinterpret_cast<Layer*>(file); }
 SqliteVfs::State* state(sqlite3_vfs* vfs) { return static_cast<SqliteVfs::State*>(vfs->pAppData); }
 sqlite3_file* inner(sqlite3_file* file) { return layer(file)->inner; }
 
+int writeThrough(Layer* self, std::span<const std::byte> left, std::int64_t offset) {
+  if (self->state->sync_failed) return self->state->failed(-EIO, SQLITE_IOERR_WRITE);
+  while (!left.empty()) {
+    const std::int64_t got = self->file->write(left, offset);
+    if (got <= 0) return self->state->failed(got < 0 ? got : -ENOSPC, SQLITE_IOERR_WRITE);
+    left = left.subspan(static_cast<std::size_t>(got));
+    offset += got;
+  }
+  return SQLITE_OK;
+}
+
+int flushHeld(Layer* self) {
+  if (self->held->empty()) return SQLITE_OK;
+  const int code = writeThrough(self, *self->held, self->held_at);
+  self->held->clear();
+  return code;
+}
+
 int layerClose(sqlite3_file* file) {
+  flushHeld(layer(file));
+  delete layer(file)->held;
   delete layer(file)->file;
   layer(file)->file = nullptr;
   return inner(file)->pMethods->xClose(inner(file));
 }
 
 int layerRead(sqlite3_file* file, void* into, int bytes, sqlite3_int64 offset) {
+  const int flushed = flushHeld(layer(file));
+  if (flushed != SQLITE_OK) return flushed;
   const auto span = std::span(static_cast<std::byte*>(into), static_cast<std::size_t>(bytes));
   const std::int64_t got = layer(file)->file->read(span, offset);
   if (got == bytes) return SQLITE_OK;
@@ -98,24 +131,34 @@ int layerRead(sqlite3_file* file, void* into, int bytes, sqlite3_int64 offset) {
 }
 
 int layerWrite(sqlite3_file* file, const void* data, int bytes, sqlite3_int64 offset) {
-  auto left = std::span(static_cast<const std::byte*>(data), static_cast<std::size_t>(bytes));
-  while (!left.empty()) {
-    const std::int64_t got = layer(file)->file->write(left, offset);
-    if (got <= 0) return layer(file)->state->failed(got < 0 ? got : -ENOSPC, SQLITE_IOERR_WRITE);
-    left = left.subspan(static_cast<std::size_t>(got));
-    offset += got;
+  Layer* self = layer(file);
+  const auto all = std::span(static_cast<const std::byte*>(data), static_cast<std::size_t>(bytes));
+  if (!self->is_wal || !self->state->gather) return writeThrough(self, all, offset);
+  const bool follows = offset == self->held_at + static_cast<std::int64_t>(self->held->size()) &&
+                       self->held->size() + all.size() <= kTogether;
+  if (!follows) {
+    const int flushed = flushHeld(self);
+    if (flushed != SQLITE_OK) return flushed;
+    self->held_at = offset;
   }
+  self->held->insert(self->held->end(), all.begin(), all.end());
   return SQLITE_OK;
 }
 
 int layerTruncate(sqlite3_file* file, sqlite3_int64 size) {
+  const int flushed = flushHeld(layer(file));
+  if (flushed != SQLITE_OK) return flushed;
   const int got = layer(file)->file->truncate(size);
   return got < 0 ? layer(file)->state->failed(got, SQLITE_IOERR_TRUNCATE) : SQLITE_OK;
 }
 
 int layerSync(sqlite3_file* file, int /*flags*/) {
   Layer* self = layer(file);
+  const int flushed = flushHeld(self);
+  if (flushed != SQLITE_OK) return flushed;
+  if (self->state->sync_failed) return self->state->failed(-EIO, SQLITE_IOERR_FSYNC);
   const int got = self->file->sync();
+  self->state->sync_failed = got < 0 && got != -ENOSPC && got != -EDQUOT;
   if (got < 0) return self->state->failed(got, SQLITE_IOERR_FSYNC);
   if (!self->folder_needs_sync) return SQLITE_OK;
   const auto folder = std::filesystem::path(self->path).parent_path();
@@ -126,6 +169,8 @@ int layerSync(sqlite3_file* file, int /*flags*/) {
 }
 
 int layerSize(sqlite3_file* file, sqlite3_int64* out) {
+  const int flushed = flushHeld(layer(file));
+  if (flushed != SQLITE_OK) return flushed;
   const std::int64_t got = layer(file)->file->size();
   if (got < 0) return layer(file)->state->failed(got, SQLITE_IOERR_FSTAT);
   *out = got;
@@ -189,6 +234,8 @@ int vfsOpen(sqlite3_vfs* vfs, const char* path, sqlite3_file* file, int flags, i
     return code;
   }
   auto unix_file = std::make_unique<UnixFile>(self->base, opened->inner);
+  opened->is_wal = (flags & SQLITE_OPEN_WAL) != 0;
+  opened->held = new std::vector<std::byte>;
   opened->file = self->files->adopt(path, std::move(unix_file)).release();
   opened->face.pMethods = &kMethods;
   return SQLITE_OK;
@@ -224,6 +271,8 @@ SqliteVfs::SqliteVfs(FileOps& files) : state_(std::make_unique<State>()) {
 SqliteVfs::~SqliteVfs() { sqlite3_vfs_unregister(&state_->vfs); }
 
 const char* SqliteVfs::name() const { return state_->name.c_str(); }
+
+void SqliteVfs::gatherWrites(bool gather) { state_->gather = gather; }
 
 int SqliteVfs::takeError() { return state_->error.exchange(0); }
 

@@ -20,6 +20,10 @@ class SqliteVfs {
   SqliteVfs& operator=(const SqliteVfs&) = delete;
 
   const char* name() const;
+  // Writes that follow one another in a WAL are held until its sync and go out as one: SQLite makes
+  // two small ones a page. Only for connections with synchronous=FULL, where every commit syncs the
+  // WAL before anybody may read it.
+  void gatherWrites(bool gather);
   // errno of the last call that failed, 0 when none did since the last question.
   int takeError();
 
