@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The twin's speed: a specimen's truth, and a whole shot from trigger to file.
+#include <benchmark/benchmark.h>
+
+#include "devices/twin/specimen.h"
+#include "devices/twin/twin.h"
+
+namespace patina::devices::twin {
+namespace {
+
+void BM_TwinSurface(benchmark::State& state, const std::string& name) {
+  const auto specimen = makeSpecimen(name, 1);
+  const SizePx size{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  specimen->surfaceAt(0, size);
+  int i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(specimen->surfaceAt(++i % 997 / 997.0, size));
+  state.SetItemsProcessed(state.iterations() * size.width * size.height);
+}
+BENCHMARK_CAPTURE(BM_TwinSurface, banana, "banana_ripening")
+    ->Args({512, 512})
+    ->Args({64, 48})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_TwinSurface, copper, "copper_patination")
+    ->Args({512, 512})
+    ->Args({64, 48})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// Every shot at another time of a week, one lamp lit.
+void BM_TwinShot(benchmark::State& state, const std::string& format) {
+  const SizePx size{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  RigSpec spec;
+  spec.cameras.push_back({"cam0", "twin", "", {{"format", format}}});
+  spec.lights.push_back({"key", "twin", "", {-250, 200, 380}, Between::kOn, {}});
+  spec.twin = TwinSpec{"banana_ripening", size, {}};
+  VirtualClock clock(UtcTime{});
+  TwinOptions options;
+  options.duration = std::chrono::hours(7 * 24);
+  Rig rig = makeTwinRig(spec, options, clock);
+  Camera& camera = *rig.cameras[0];
+  if (!camera.recover(Rung::kReopen) || !rig.lights[0]->set(1)) return state.SkipWithError("rig");
+  std::uint64_t shot = 0;
+  for (auto _ : state) {
+    clock.advance(std::chrono::seconds(60));
+    const auto ticket = camera.trigger({"shot", ++shot});
+    auto frames = camera.collect(*ticket, clock.mono() + std::chrono::seconds(60));
+    benchmark::DoNotOptimize(frames);
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK_CAPTURE(BM_TwinShot, dng, "dng")
+    ->Args({512, 512})
+    ->Args({64, 48})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_TwinShot, jpeg, "jpeg")
+    ->Args({512, 512})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace patina::devices::twin
