@@ -66,65 +66,107 @@ const ColorRamp<4>& freckleRamp() {
   return ramp;
 }
 
+// What a few texels of a row are made of at one time.
+constexpr int kChunk = 128;
+struct Stage {
+  float age[kChunk];     // of the skin
+  float bruise[kChunk];  // strength
+  float since[kChunk];   // a freckle came
+  float raw[kChunk];     // its progress in [0,1]; smoothed: its darkness
+  float dark[kChunk];
+};
+
 class BananaSurface final : public PreparedSurface {
  public:
   BananaSurface(int width, Fields fields) : width_(width), f_(std::move(fields)) {}
-  void rowAt(double time, int y, SurfaceRow& row) const override;
+  void rowAt(double time, int y, SurfaceRow& row) const override {
+    Stage stage;
+    for (int x = 0; x < width_; x += kChunk) {
+      const int count = std::min(kChunk, width_ - x);
+      const std::size_t at = static_cast<std::size_t>(y) * width_ + x;
+      const auto t = static_cast<float>(time);
+      advance(t, at, count, stage);
+      paint(t, at, count, stage, x, row);
+      shape(t, at, count, stage, x, row);
+    }
+  }
 
  private:
+  void advance(float t, std::size_t at, int count, Stage& stage) const;
+  void paint(float t, std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
+  void shape(float t, std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
+
   int width_;
   Fields f_;
 };
 
-void BananaSurface::rowAt(double time, int y, SurfaceRow& row) const {
-  const auto t = static_cast<float>(time);
+void BananaSurface::advance(float t, std::size_t at, int count, Stage& stage) const {
+  const float *jitter = &f_.jitter[at], *freckle = &f_.freckle[at],
+              *freckle_inverse_width = &f_.freckle_inverse_width[at], *bruise = &f_.bruise[at],
+              *bruise_inverse_width = &f_.bruise_inverse_width[at];
+  const float jitter_now = 4 * t * (1 - t);
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    stage.age[i] = t + jitter[i] * jitter_now;
+    stage.bruise[i] = 0.6f * smooth01(saturate((t - bruise[i]) * bruise_inverse_width[i]));
+    stage.since[i] = t - freckle[i];
+    stage.raw[i] = saturate(stage.since[i] * freckle_inverse_width[i]);
+    stage.dark[i] = smooth01(stage.raw[i]);
+  }
+}
+
+void BananaSurface::paint(float t, std::size_t at, int count, const Stage& stage, int x,
+                          SurfaceRow& row) const {
   const ColorRamp<7> skin = skinRamp();
   const ColorRamp<4> spot = freckleRamp();
   const Rgb halo_tint{0.80f, 0.62f, 0.42f}, bruise_tint{0.50f, 0.36f, 0.26f};
-  const float jitter_now = 4 * t * (1 - t), old = t * t;
   const float fibre_now = 0.05f + 0.14f * t, mottle_now = 0.035f + 0.10f * t;
-  const std::size_t at = static_cast<std::size_t>(y) * width_;
-  for (int i = 0; i < width_; ++i) {
-    const std::size_t k = at + i;
-    const float age = t + f_.jitter[k] * jitter_now;
-    Rgb c = skin.at(age);
-    c = scaled(c, 1 + f_.fibre[k] * fibre_now + f_.mottle[k] * mottle_now);
+  const float halo_now = 0.55f * saturate(t * 8), rough_now = mix(0.30f, 0.52f, t);
+  const float *fibre = &f_.fibre[at], *mottle = &f_.mottle[at],
+              *inverse_width = &f_.freckle_inverse_width[at];
+  float *r = row[SurfaceRow::kDiffuseR] + x, *g = row[SurfaceRow::kDiffuseG] + x,
+        *b = row[SurfaceRow::kDiffuseB] + x, *f0_r = row[SurfaceRow::kSpecularR] + x,
+        *f0_g = row[SurfaceRow::kSpecularG] + x, *f0_b = row[SurfaceRow::kSpecularB] + x,
+        *rough = row[SurfaceRow::kRoughness] + x, *degree = row[SurfaceRow::kDegree] + x;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    const float dark = stage.dark[i], bruise = stage.bruise[i], since = stage.since[i];
+    Rgb c = scaled(skin.at(stage.age[i]), 1 + fibre[i] * fibre_now + mottle[i] * mottle_now);
+    c = tinted(c, bruise_tint, bruise);
+    c = tinted(c, halo_tint,
+               halo_now * smooth01(saturate((since + kHalo) * inverse_width[i] * 0.4f)));
+    c = tinted(c, scaled(spot.at(since + 0.04f * mottle[i]), 1 + 0.35f * mottle[i]), dark);
+    r[i] = saturate(c.r + 0.012f * dark);
+    g[i] = saturate(c.g + 0.009f * dark);
+    b[i] = saturate(c.b + 0.007f * dark);
+    f0_r[i] = f0_g[i] = f0_b[i] = mix(0.042f, 0.030f, dark);
+    rough[i] = saturate(mix(rough_now, 0.68f, 0.8f * dark) + 0.05f * mottle[i]);
+    degree[i] = saturate(1 - (1 - smooth01(saturate(stage.age[i]))) * (1 - 0.75f * dark) *
+                                 (1 - 0.4f * bruise));
+  }
+}
 
-    const float bruise_raw = saturate((t - f_.bruise[k]) * f_.bruise_inverse_width[k]);
-    const float bruise = 0.6f * smooth01(bruise_raw);
-    c = {c.r * mix(1, bruise_tint.r, bruise), c.g * mix(1, bruise_tint.g, bruise),
-         c.b * mix(1, bruise_tint.b, bruise)};
-
-    const float since = t - f_.freckle[k], inverse_width = f_.freckle_inverse_width[k];
-    const float halo =
-        0.55f * smooth01(saturate((since + kHalo) * inverse_width * 0.4f)) * saturate(t * 8);
-    c = {c.r * mix(1, halo_tint.r, halo), c.g * mix(1, halo_tint.g, halo),
-         c.b * mix(1, halo_tint.b, halo)};
-    const float s = saturate(since * inverse_width), dark = smooth01(s);
-    const Rgb left = scaled(spot.at(since + 0.04f * f_.mottle[k]), 1 + 0.35f * f_.mottle[k]);
-    c = {c.r * mix(1, left.r, dark) + 0.012f * dark, c.g * mix(1, left.g, dark) + 0.009f * dark,
-         c.b * mix(1, left.b, dark) + 0.007f * dark};
-
-    row[SurfaceRow::kDiffuseR][i] = saturate(c.r);
-    row[SurfaceRow::kDiffuseG][i] = saturate(c.g);
-    row[SurfaceRow::kDiffuseB][i] = saturate(c.b);
-    const float f0 = mix(0.042f, 0.030f, dark);
-    row[SurfaceRow::kSpecularR][i] = f0;
-    row[SurfaceRow::kSpecularG][i] = f0;
-    row[SurfaceRow::kSpecularB][i] = f0;
-    const float rough = mix(mix(0.30f, 0.52f, t), 0.68f, 0.8f * dark);
-    row[SurfaceRow::kRoughness][i] = saturate(rough + 0.05f * f_.mottle[k]);
-
-    const float sink = 6 * s * (1 - s) * inverse_width * kSinkMm;  // -d height / d arrival
-    const float dx = f_.relief_dx[k] + old * f_.wrinkle_dx[k] + sink * f_.freckle_dx[k];
-    const float dy = f_.relief_dy[k] + old * f_.wrinkle_dy[k] + sink * f_.freckle_dy[k];
+void BananaSurface::shape(float t, std::size_t at, int count, const Stage& stage, int x,
+                          SurfaceRow& row) const {
+  const float *inverse_width = &f_.freckle_inverse_width[at], *freckle_dx = &f_.freckle_dx[at],
+              *freckle_dy = &f_.freckle_dy[at], *relief = &f_.relief[at],
+              *relief_dx = &f_.relief_dx[at], *relief_dy = &f_.relief_dy[at],
+              *wrinkle = &f_.wrinkle[at], *wrinkle_dx = &f_.wrinkle_dx[at],
+              *wrinkle_dy = &f_.wrinkle_dy[at];
+  float *nx = row[SurfaceRow::kNormalX] + x, *ny = row[SurfaceRow::kNormalY] + x,
+        *nz = row[SurfaceRow::kNormalZ] + x, *height = row[SurfaceRow::kHeight] + x;
+  const float old = t * t;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    const float s = stage.raw[i];
+    const float sink = 6 * s * (1 - s) * inverse_width[i] * kSinkMm;  // -d height / d arrival
+    const float dx = relief_dx[i] + old * wrinkle_dx[i] + sink * freckle_dx[i];
+    const float dy = relief_dy[i] + old * wrinkle_dy[i] + sink * freckle_dy[i];
     const float inverse = 1 / std::sqrt(1 + dx * dx + dy * dy);
-    row[SurfaceRow::kNormalX][i] = -dx * inverse;
-    row[SurfaceRow::kNormalY][i] = -dy * inverse;
-    row[SurfaceRow::kNormalZ][i] = inverse;
-    row[SurfaceRow::kHeight][i] = f_.relief[k] + old * f_.wrinkle[k] - kSinkMm * dark;
-    row[SurfaceRow::kDegree][i] =
-        saturate(1 - (1 - smooth01(saturate(age))) * (1 - 0.75f * dark) * (1 - 0.4f * bruise));
+    nx[i] = -dx * inverse;
+    ny[i] = -dy * inverse;
+    nz[i] = inverse;
+    height[i] = relief[i] + old * wrinkle[i] - kSinkMm * stage.dark[i];
   }
 }
 

@@ -64,75 +64,134 @@ const ColorRamp<5>& patinaRamp() {
   return ramp;
 }
 
+// What a few texels of a row are made of at one time.
+constexpr int kChunk = 128;
+struct Stage {
+  float arrived[kChunk];  // of the liquid
+  float dried_raw[kChunk], dried[kChunk];
+  float wet[kChunk];
+  float brown[kChunk];
+  float since[kChunk];  // the patina came
+  float green_raw[kChunk], green[kChunk];
+};
+
 class CopperSurface final : public PreparedSurface {
  public:
   CopperSurface(int width, Fields fields) : width_(width), f_(std::move(fields)) {}
-  void rowAt(double time, int y, SurfaceRow& row) const override;
+  void rowAt(double time, int y, SurfaceRow& row) const override {
+    Stage stage;
+    for (int x = 0; x < width_; x += kChunk) {
+      const int count = std::min(kChunk, width_ - x);
+      const std::size_t at = static_cast<std::size_t>(y) * width_ + x;
+      advance(static_cast<float>(time), at, count, stage);
+      paint(at, count, stage, x, row);
+      finish(at, count, stage, x, row);
+      shape(at, count, stage, x, row);
+    }
+  }
 
  private:
+  void advance(float t, std::size_t at, int count, Stage& stage) const;
+  void paint(std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
+  void finish(std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
+  void shape(std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
+
   int width_;
   Fields f_;
 };
 
-void CopperSurface::rowAt(double time, int y, SurfaceRow& row) const {
-  const auto t = static_cast<float>(time);
+void CopperSurface::advance(float t, std::size_t at, int count, Stage& stage) const {
+  const float *wetting = &f_.wetting[at], *drying = &f_.drying[at],
+              *drying_inverse_width = &f_.drying_inverse_width[at], *tarnish = &f_.tarnish[at],
+              *patina = &f_.patina[at], *patina_inverse_width = &f_.patina_inverse_width[at];
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    stage.arrived[i] = smooth01(saturate((t - wetting[i]) / kWettingWidth));
+    stage.dried_raw[i] = saturate((t - drying[i]) * drying_inverse_width[i]);
+    stage.dried[i] = smooth01(stage.dried_raw[i]);
+    stage.wet[i] = stage.arrived[i] * (1 - stage.dried[i]);
+    stage.brown[i] = smooth01(saturate((t - tarnish[i]) / kTarnishTime));
+    stage.since[i] = t - patina[i];
+    stage.green_raw[i] = saturate(stage.since[i] * patina_inverse_width[i]);
+    stage.green[i] = smooth01(stage.green_raw[i]);
+  }
+}
+
+// Diffuse colour and degree.
+void CopperSurface::paint(std::size_t at, int count, const Stage& stage, int x,
+                          SurfaceRow& row) const {
   const ColorRamp<5> verdigris = patinaRamp();
-  const Rgb metal_f0{0.93f, 0.45f, 0.28f}, brown_f0{0.17f, 0.070f, 0.040f};
-  const Rgb metal_diffuse{0.030f, 0.014f, 0.009f}, brown_diffuse{0.085f, 0.038f, 0.022f};
-  const Rgb film_tint{0.74f, 0.98f, 0.95f}, film_diffuse{0.010f, 0.036f, 0.032f};
-  const std::size_t at = static_cast<std::size_t>(y) * width_;
-  for (int i = 0; i < width_; ++i) {
-    const std::size_t k = at + i;
-    const float arrived = smooth01(saturate((t - f_.wetting[k]) / kWettingWidth));
-    const float dried_raw = saturate((t - f_.drying[k]) * f_.drying_inverse_width[k]);
-    const float dried = smooth01(dried_raw), wet = arrived * (1 - dried);
-    const float brown = smooth01(saturate((t - f_.tarnish[k]) / kTarnishTime));
-    const float since = t - f_.patina[k], inverse_width = f_.patina_inverse_width[k];
-    const float s = saturate(since * inverse_width), green = smooth01(s);
-
-    Rgb d = mix(metal_diffuse, scaled(brown_diffuse, 1 + 0.35f * f_.mottle[k]), brown);
-    Rgb f0 = scaled(mix(metal_f0, brown_f0, brown), 1 + 0.16f * f_.brush[k] * (1 - 0.5f * brown));
-    const float chalk = 0.28f * f_.tide[k] * dried * brown;  // left by the liquid's edge
-    d = mix(d, {0.16f, 0.26f, 0.22f}, chalk);
-    const Rgb salt = verdigris.at(since + 0.10f * f_.mottle[k]);
-    d = mix(d, scaled(salt, 1 + 0.22f * f_.mottle[k] + 0.16f * f_.grain[k]), green);
-    f0 = mix(f0, {0.035f, 0.035f, 0.035f}, green);
-    float rough = mix(0.44f + 0.05f * f_.brush[k], 0.56f, brown);
-    rough = mix(rough, 0.85f, green);
-
+  const Rgb metal{0.030f, 0.014f, 0.009f}, tarnish{0.085f, 0.038f, 0.022f};
+  const Rgb chalk_white{0.16f, 0.26f, 0.22f}, film{0.010f, 0.036f, 0.032f};
+  const float *mottle = &f_.mottle[at], *grain = &f_.grain[at], *tide = &f_.tide[at];
+  float *r = row[SurfaceRow::kDiffuseR] + x, *g = row[SurfaceRow::kDiffuseG] + x,
+        *b = row[SurfaceRow::kDiffuseB] + x, *degree = row[SurfaceRow::kDegree] + x;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    const float brown = stage.brown[i], green = stage.green[i], wet = stage.wet[i];
+    Rgb d = mix(metal, scaled(tarnish, 1 + 0.35f * mottle[i]), brown);
+    d = mix(d, chalk_white, 0.28f * tide[i] * stage.dried[i] * brown);  // where its edge stood
+    const Rgb salt = verdigris.at(stage.since[i] + 0.10f * mottle[i]);
+    d = mix(d, scaled(salt, 1 + 0.22f * mottle[i] + 0.16f * grain[i]), green);
     const float shade = mix(1, 0.48f, wet);
-    d = scaled(d, shade);
-    d = {d.r + film_diffuse.r * wet, d.g + film_diffuse.g * wet, d.b + film_diffuse.b * wet};
-    f0 = {f0.r * mix(1, film_tint.r, wet) + 0.02f * wet,
-          f0.g * mix(1, film_tint.g, wet) + 0.02f * wet,
-          f0.b * mix(1, film_tint.b, wet) + 0.02f * wet};
-    rough = mix(rough, 0.13f, 0.95f * wet);
+    r[i] = saturate(d.r * shade + film.r * wet);
+    g[i] = saturate(d.g * shade + film.g * wet);
+    b[i] = saturate(d.b * shade + film.b * wet);
+    degree[i] = 1 - (1 - 0.55f * brown) * (1 - green * smooth01(saturate(stage.since[i] * 3.3f)));
+  }
+}
 
-    row[SurfaceRow::kDiffuseR][i] = saturate(d.r);
-    row[SurfaceRow::kDiffuseG][i] = saturate(d.g);
-    row[SurfaceRow::kDiffuseB][i] = saturate(d.b);
-    row[SurfaceRow::kSpecularR][i] = std::min(saturate(f0.r), 0.97f - saturate(d.r));
-    row[SurfaceRow::kSpecularG][i] = std::min(saturate(f0.g), 0.97f - saturate(d.g));
-    row[SurfaceRow::kSpecularB][i] = std::min(saturate(f0.b), 0.97f - saturate(d.b));
-    row[SurfaceRow::kRoughness][i] = std::max(saturate(rough), 0.02f);
+// Specular colour and roughness.
+void CopperSurface::finish(std::size_t at, int count, const Stage& stage, int x,
+                           SurfaceRow& row) const {
+  const Rgb metal{0.93f, 0.45f, 0.28f}, tarnish{0.17f, 0.070f, 0.040f};
+  const Rgb salt{0.035f, 0.035f, 0.035f}, film_tint{0.74f, 0.98f, 0.95f};
+  const float *brush = &f_.brush[at], *d_r = row[SurfaceRow::kDiffuseR] + x,
+              *d_g = row[SurfaceRow::kDiffuseG] + x, *d_b = row[SurfaceRow::kDiffuseB] + x;
+  float *r = row[SurfaceRow::kSpecularR] + x, *g = row[SurfaceRow::kSpecularG] + x,
+        *b = row[SurfaceRow::kSpecularB] + x, *roughness = row[SurfaceRow::kRoughness] + x;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    const float brown = stage.brown[i], green = stage.green[i], wet = stage.wet[i];
+    Rgb f0 = scaled(mix(metal, tarnish, brown), 1 + 0.16f * brush[i] * (1 - 0.5f * brown));
+    f0 = tinted(mix(f0, salt, green), film_tint, wet);
+    r[i] = std::min(saturate(f0.r + 0.02f * wet), 0.97f - d_r[i]);
+    g[i] = std::min(saturate(f0.g + 0.02f * wet), 0.97f - d_g[i]);
+    b[i] = std::min(saturate(f0.b + 0.02f * wet), 0.97f - d_b[i]);
+    const float rough = mix(mix(0.44f + 0.05f * brush[i], 0.56f, brown), 0.85f, green);
+    roughness[i] = std::max(saturate(mix(rough, 0.13f, 0.95f * wet)), 0.02f);
+  }
+}
 
-    // The brush marks drown in the film and vanish under the crust.
-    const float bare = (1 - 0.9f * wet) * (1 - 0.8f * green), crust = green * (1 - wet),
-                grow = 6 * s * (1 - s) * inverse_width * (1 - wet);
-    const float front =
-        6 * dried_raw * (1 - dried_raw) * f_.drying_inverse_width[k] * kFilmMm * arrived;
-    const float dx = bare * f_.relief_dx[k] + wet * f_.pool_dx[k] + crust * f_.crust_dx[k] +
-                     front * f_.drying_dx[k] - grow * kCrustMm * f_.patina_dx[k];
-    const float dy = bare * f_.relief_dy[k] + wet * f_.pool_dy[k] + crust * f_.crust_dy[k] +
-                     front * f_.drying_dy[k] - grow * kCrustMm * f_.patina_dy[k];
+// Normal and height: the brush marks drown in the film and vanish under the crust.
+void CopperSurface::shape(std::size_t at, int count, const Stage& stage, int x,
+                          SurfaceRow& row) const {
+  const float *relief = &f_.relief[at], *relief_dx = &f_.relief_dx[at],
+              *relief_dy = &f_.relief_dy[at], *crust = &f_.crust[at], *crust_dx = &f_.crust_dx[at],
+              *crust_dy = &f_.crust_dy[at], *pool = &f_.pool[at], *pool_dx = &f_.pool_dx[at],
+              *pool_dy = &f_.pool_dy[at], *drying_inverse_width = &f_.drying_inverse_width[at],
+              *drying_dx = &f_.drying_dx[at], *drying_dy = &f_.drying_dy[at],
+              *patina_inverse_width = &f_.patina_inverse_width[at], *patina_dx = &f_.patina_dx[at],
+              *patina_dy = &f_.patina_dy[at];
+  float *nx = row[SurfaceRow::kNormalX] + x, *ny = row[SurfaceRow::kNormalY] + x,
+        *nz = row[SurfaceRow::kNormalZ] + x, *height = row[SurfaceRow::kHeight] + x;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    const float green = stage.green[i], wet = stage.wet[i];
+    const float bare = (1 - 0.9f * wet) * (1 - 0.8f * green), crusted = green * (1 - wet);
+    // d height / d arrival of the liquid's edge and of the patina's.
+    const float q = stage.dried_raw[i], s = stage.green_raw[i];
+    const float edge = 6 * q * (1 - q) * drying_inverse_width[i] * kFilmMm * stage.arrived[i];
+    const float grow = 6 * s * (1 - s) * patina_inverse_width[i] * kCrustMm * (1 - wet);
+    const float dx = bare * relief_dx[i] + wet * pool_dx[i] + crusted * crust_dx[i] +
+                     edge * drying_dx[i] - grow * patina_dx[i];
+    const float dy = bare * relief_dy[i] + wet * pool_dy[i] + crusted * crust_dy[i] +
+                     edge * drying_dy[i] - grow * patina_dy[i];
     const float inverse = 1 / std::sqrt(1 + dx * dx + dy * dy);
-    row[SurfaceRow::kNormalX][i] = -dx * inverse;
-    row[SurfaceRow::kNormalY][i] = -dy * inverse;
-    row[SurfaceRow::kNormalZ][i] = inverse;
-    row[SurfaceRow::kHeight][i] =
-        bare * f_.relief[k] + (kFilmMm + f_.pool[k]) * wet + green * (kCrustMm + f_.crust[k]);
-    row[SurfaceRow::kDegree][i] =
-        1 - (1 - 0.55f * brown) * (1 - green * smooth01(saturate(since * 3.3f)));
+    nx[i] = -dx * inverse;
+    ny[i] = -dy * inverse;
+    nz[i] = inverse;
+    height[i] = bare * relief[i] + (kFilmMm + pool[i]) * wet + green * (kCrustMm + crust[i]);
   }
 }
 

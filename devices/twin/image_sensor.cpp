@@ -12,6 +12,7 @@ namespace patina::devices::twin {
 namespace {
 
 constexpr int kQuantiles = 4096;
+constexpr int kChunk = 256;          // pixels read out together
 constexpr float kPoissonBelow = 30;  // electrons
 
 // Quantiles of the normal distribution by bisection of erfc, scaled to variance 1/2, so that the
@@ -93,37 +94,52 @@ ImageSensor::ImageSensor(SizePx size, const SensorProfile& profile,
 void ImageSensor::readRow(int y, float* light, const SensorShot& shot,
                           std::uint16_t* numbers) const {
   const int width = size_.width;
-  const std::size_t at = static_cast<std::size_t>(y) * width;
   const double dark_s = profile_.darkFactor(shot.temperature) * toSeconds(shot.exposure);
   const auto dark = static_cast<float>(profile_.dark_current * dark_s);
-  const float* response = &response_[at];
+  const float* response = &response_[static_cast<std::size_t>(y) * width];
   for (int x = 0; x < width; ++x)
     light[x] = light[x] * shot.electrons_per_light * response[x] + dark;
   for (std::size_t i = hot_begin_[y]; i < hot_begin_[y + 1]; ++i)
     light[hot_[i].x] += static_cast<float>(hot_[i].current * dark_s);
 
-  const auto& q = quantiles().value;
-  const auto read = static_cast<float>(profile_.read_noise);
-  const auto full_well = static_cast<float>(profile_.full_well);
-  const auto steps = static_cast<float>(shot.iso.value / 100 / profile_.electronsPerStep());
-  const auto black = static_cast<float>(profile_.black_level) + 0.5f;
-  const auto white = static_cast<float>(profile_.whiteLevel());
   const std::uint64_t row_key = hashSeed(shot.noise_key, static_cast<std::uint64_t>(y));
+  for (int x = 0; x < width; x += kChunk)
+    readChunk(row_key, x, std::min(kChunk, width - x), light + x, shot.iso, numbers + x);
+}
+
+// In passes that vectorise, but for the look-ups.
+void ImageSensor::readChunk(std::uint64_t row_key, int x0, int count, const float* mean, Iso iso,
+                            std::uint16_t* numbers) const {
+  std::uint32_t hash[kChunk];
+  float normal[kChunk], electrons[kChunk];
   const auto key = static_cast<std::uint32_t>(row_key),
              step = static_cast<std::uint32_t>((row_key >> 32) | 1);
-  for (int x = 0; x < width; ++x) {
-    const std::uint32_t h = mix32(key + step * static_cast<std::uint32_t>(x));
-    const float normal = q[h & (kQuantiles - 1)] + q[(h >> 12) & (kQuantiles - 1)];
-    const float mean = light[x];
-    float electrons;
-    if (mean >= kPoissonBelow) {
-      electrons = mean + std::sqrt(mean + read * read) * normal;
-    } else {
-      electrons =
-          poisson(mean, uniform(hashSeed(row_key, static_cast<std::uint64_t>(x)))) + read * normal;
-    }
-    const float number = black + std::min(electrons, full_well) * steps;
-    numbers[x] = static_cast<std::uint16_t>(std::min(std::max(number, 0.0f), white));
+  for (int i = 0; i < count; ++i) hash[i] = mix32(key + step * static_cast<std::uint32_t>(x0 + i));
+  const float* q = quantiles().value.data();
+  for (int i = 0; i < count; ++i)
+    normal[i] = q[hash[i] & (kQuantiles - 1)] + q[(hash[i] >> 12) & (kQuantiles - 1)];
+
+  const auto read = static_cast<float>(profile_.read_noise);
+  int faint = 0;
+  for (int i = 0; i < count; ++i) {
+    electrons[i] = mean[i] + std::sqrt(mean[i] + read * read) * normal[i];
+    faint += mean[i] < kPoissonBelow;
+  }
+  if (faint > 0)
+    for (int i = 0; i < count; ++i)
+      if (mean[i] < kPoissonBelow)
+        electrons[i] =
+            poisson(mean[i], uniform(hashSeed(row_key, static_cast<std::uint64_t>(x0 + i)))) +
+            read * normal[i];
+
+  const auto full_well = static_cast<float>(profile_.full_well);
+  const auto steps = static_cast<float>(iso.value / 100 / profile_.electronsPerStep());
+  const auto black = static_cast<float>(profile_.black_level) + 0.5f;
+  const auto white = static_cast<float>(profile_.whiteLevel());
+  for (int i = 0; i < count; ++i) {
+    const float number = black + std::min(electrons[i], full_well) * steps;
+    numbers[i] = static_cast<std::uint16_t>(
+        static_cast<std::int32_t>(std::min(std::max(number, 0.0f), white)));
   }
 }
 

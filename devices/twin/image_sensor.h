@@ -39,6 +39,9 @@ class ImageSensor {
   void readRow(int y, float* light, const SensorShot& shot, std::uint16_t* numbers) const;
 
  private:
+  void readChunk(std::uint64_t row_key, int x0, int count, const float* mean, Iso iso,
+                 std::uint16_t* numbers) const;
+
   SizePx size_;
   SensorProfile profile_;
   std::vector<float> response_;         // falloff times the pixel's own gain

@@ -87,22 +87,25 @@ LampField lampField(const SampleGrid& grid, const std::array<double, 3>& lamp_mm
 void shadeMosaicRow(const SurfaceRow& surface, const LampField& lamp, int y, float* out) {
   using S = SurfaceRow;
   const bool red_row = y % 2 == 0;
-  const float* d[2] = {surface[red_row ? S::kDiffuseR : S::kDiffuseG],
-                       surface[red_row ? S::kDiffuseG : S::kDiffuseB]};
-  const float* s[2] = {surface[red_row ? S::kSpecularR : S::kSpecularG],
-                       surface[red_row ? S::kSpecularG : S::kSpecularB]};
+  const float *d_even = surface[red_row ? S::kDiffuseR : S::kDiffuseG],
+              *d_odd = surface[red_row ? S::kDiffuseG : S::kDiffuseB],
+              *s_even = surface[red_row ? S::kSpecularR : S::kSpecularG],
+              *s_odd = surface[red_row ? S::kSpecularG : S::kSpecularB];
   const float *nx = surface[S::kNormalX], *ny = surface[S::kNormalY], *nz = surface[S::kNormalZ],
               *alpha = surface[S::kRoughness];
   const std::size_t at = static_cast<std::size_t>(y) * surface.width();
   const float *e = &lamp.irradiance[at], *lx = &lamp.light_x[at], *ly = &lamp.light_y[at],
               *lz = &lamp.light_z[at], *hx = &lamp.half_x[at], *hy = &lamp.half_y[at],
               *hz = &lamp.half_z[at], *weight = &lamp.fresnel[at];
-  for (int x = 0; x < surface.width(); ++x) {
+  const int width = surface.width();
+#pragma GCC ivdep
+  for (int x = 0; x < width; ++x) {
     const float n_l = std::max(nx[x] * lx[x] + ny[x] * ly[x] + nz[x] * lz[x], 0.0f);
     const float n_h = std::max(nx[x] * hx[x] + ny[x] * hy[x] + nz[x] * hz[x], 0.0f);
     const float lobe = brdf::ggxDistribution(n_h, alpha[x]) *
                        brdf::smithVisibility(n_l, std::max(nz[x], 0.0f), alpha[x]);
-    const float diffuse = (x & 1) ? d[1][x] : d[0][x], f0 = (x & 1) ? s[1][x] : s[0][x];
+    const float d0 = d_even[x], d1 = d_odd[x], s0 = s_even[x], s1 = s_odd[x];
+    const float diffuse = (x & 1) ? d1 : d0, f0 = (x & 1) ? s1 : s0;
     // Times pi: a perfect white diffuser reflects 1, not 1 / pi.
     const float fresnel = f0 + (1 - f0) * weight[x];
     out[x] = (diffuse + brdf::kPi * lobe * fresnel) * n_l * e[x];

@@ -61,6 +61,10 @@ class ColorRamp {
 inline Rgb mix(const Rgb& a, const Rgb& b, float t) {
   return {mix(a.r, b.r, t), mix(a.g, b.g, t), mix(a.b, b.b, t)};
 }
+// `a` seen through `tint` with strength t.
+inline Rgb tinted(const Rgb& a, const Rgb& tint, float t) {
+  return {a.r * mix(1, tint.r, t), a.g * mix(1, tint.g, t), a.b * mix(1, tint.b, t)};
+}
 inline Rgb scaled(const Rgb& a, float s) { return {a.r * s, a.g * s, a.b * s}; }
 
 }  // namespace patina::devices::twin
