@@ -28,6 +28,7 @@ TEST(CvBridge, KeepsTheStrideOfACrop) {
 }
 
 TEST(CvBridgeDeathTest, RefusesTheWrongType) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
   cv::Mat mat(2, 2, CV_8UC1);
   EXPECT_DEATH(viewOf<float>(mat), "depth");
 }

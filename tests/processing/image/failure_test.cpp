@@ -13,6 +13,7 @@ TEST(Failure, CarriesItsExitCodeAndItsLine) {
 }
 
 TEST(FailureDeathTest, CheckAbortsWithItsConditionAndPlace) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
   const int width = 0;
   EXPECT_DEATH(PATINA_CHECK(width > 0), "width > 0 is false at .*failure_test.cpp");
 }
