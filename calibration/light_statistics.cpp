@@ -154,8 +154,8 @@ PatchLevel measurePatch(ImageView<const std::uint16_t> mosaic,
     for (int x = rect.x; x < rect.x + rect.width; ++x) {
       const double v = (row[x] - black_level) / range;
       if (v >= kSaturatedAt) ++saturated;
-      values[std::min<std::size_t>(cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))], 2)]
-          .push_back(static_cast<float>(v));
+      const unsigned cell = (static_cast<unsigned>(y) & 1u) * 2u + (static_cast<unsigned>(x) & 1u);
+      values[std::min<std::size_t>(cfa[cell], 2)].push_back(static_cast<float>(v));
     }
   }
   for (std::size_t c = 0; c < 3; ++c) put(out, c, values[c]);

@@ -18,19 +18,19 @@ constexpr Nanoseconds kExposureLeast = 1us, kExposureMost = 1h;
 constexpr std::int64_t kStepsMost = 1'000'000'000;
 constexpr std::uint64_t kDiskReserveDefault = 64'000'000;  // the catalogue's room to tell its end
 
-// "+02:00" "-05:30" "Z"
+// "Z", "+02:00", "-05:30", or a duration: "2h", "-5h30min".
 Nanoseconds takeUtcOffset(ConfigTable& table) {
   const std::string text = table.takeString("utc_offset", "Z");
   if (text == "Z") return Nanoseconds{0};
-  const auto digit = [&](std::size_t i) { return text[i] >= '0' && text[i] <= '9'; };
-  if (text.size() == 6 && (text[0] == '+' || text[0] == '-') && text[3] == ':' && digit(1) &&
-      digit(2) && digit(4) && digit(5)) {
-    const int hours = (text[1] - '0') * 10 + text[2] - '0';
-    const int minutes = (text[4] - '0') * 10 + text[5] - '0';
-    if (hours * 60 + minutes <= 14 * 60 && minutes < 60) {
-      const Nanoseconds offset = std::chrono::minutes(hours * 60 + minutes);
-      return text[0] == '-' ? -offset : offset;
-    }
+  const bool negative = text.starts_with('-');
+  std::string size = text.substr(negative || text.starts_with('+') ? 1 : 0);
+  if (size.size() == 5 && size[2] == ':')
+    size = size.substr(0, 2) + "h" + size.substr(3) + "min";
+  try {
+    const Nanoseconds offset = parseDuration(size);
+    if (offset <= std::chrono::hours(14)) return negative ? -offset : offset;
+  } catch (const ProcessingError&) {
+    // Told below, in the words of this key.
   }
   table.reject("utc_offset", "\"" + text + "\" is no offset from UTC (\"-14:00\" to \"+14:00\")");
 }

@@ -47,8 +47,11 @@ class Session {
       act(d);
     }
     runner_.end();
-    if (end == "finished" && disk_full_) end = "disk";
-    if (retryRows()) archive_.setRunState(run_id_, end == "stopped" ? "stopped" : "finished");
+    // Only a disk that does not even take the rows keeps a run from its end.
+    if (retryRows())
+      archive_.setRunState(run_id_, end);
+    else if (end == "finished")
+      end = "disk";
     SessionSummary summary;
     tell(end);
     summary.last = status_;

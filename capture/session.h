@@ -35,7 +35,8 @@ struct SessionHooks {
 
 struct SessionSummary {
   SessionStatus last;
-  std::string end;               // "finished" "stopped" "disk"
+  // "finished" "stopped"; "disk": its time is over, but the disk takes not even the last rows.
+  std::string end;
   std::string event_log_sha256;  // of every decision, verdict and frame, in order
 };
 

@@ -104,7 +104,6 @@ TEST(Plan, RefusesASweepThatIsLongerThanTheInterval) {
 TEST(Plan, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(errorOf(with("\"22:00\"", "\"25:00\"")), HasSubstr("time of day"));
   EXPECT_THAT(errorOf(with("\"06:00\"", "\"22:00\"")), HasSubstr("never opens"));
-  EXPECT_THAT(errorOf(with("+02:00", "2h")), HasSubstr("offset"));
   EXPECT_THAT(errorOf(with("[[\"key\"], [\"key\", \"fill\"], []]", "[]")), HasSubstr("lights"));
   EXPECT_THAT(errorOf(with("[\"key\", \"fill\"]", "[\"key\"]")), HasSubstr("twice"));
   EXPECT_THAT(errorOf(with("[\"1/50\", \"1/10\"]", "[]")), HasSubstr("empty"));
@@ -112,6 +111,18 @@ TEST(Plan, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(errorOf(with("band = 0.03", "band = 3")), HasSubstr("0.5"));
   EXPECT_THAT(errorOf("rig = \"r\"\nspecimen = \"s\"\ninterval = \"1s\"\nduration = \"1h\"\n"),
               HasSubstr("sweep"));
+}
+
+TEST(Plan, ReadsAnOffsetFromUtcInEitherForm) {
+  const auto offsetOf = [](const char* text) {
+    return parsePlan(with("+02:00", text), "week.toml").utc_offset;
+  };
+  EXPECT_EQ(offsetOf("Z"), 0s);
+  EXPECT_EQ(offsetOf("0h"), 0s);
+  EXPECT_EQ(offsetOf("-05:30"), -(5h + 30min));
+  EXPECT_EQ(offsetOf("5h45min"), 5h + 45min);
+  EXPECT_THAT(errorOf(with("+02:00", "+15:00")), HasSubstr("offset"));
+  EXPECT_THAT(errorOf(with("+02:00", "Berlin")), HasSubstr("offset"));
 }
 
 TEST(Plan, CapsAHoldAtTheEndOfItsSlot) {
