@@ -24,8 +24,7 @@ Nanoseconds takeUtcOffset(ConfigTable& table) {
   if (text == "Z") return Nanoseconds{0};
   const bool negative = text.starts_with('-');
   std::string size = text.substr(negative || text.starts_with('+') ? 1 : 0);
-  if (size.size() == 5 && size[2] == ':')
-    size = size.substr(0, 2) + "h" + size.substr(3) + "min";
+  if (size.size() == 5 && size[2] == ':') size = size.substr(0, 2) + "h" + size.substr(3) + "min";
   try {
     const Nanoseconds offset = parseDuration(size);
     if (offset <= std::chrono::hours(14)) return negative ? -offset : offset;

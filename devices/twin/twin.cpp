@@ -41,6 +41,11 @@ Rig makeTwinRig(const RigSpec& spec, const TwinOptions& options, Clock& clock) {
   const auto world = std::make_shared<World>(spec, options, clock);
   Rig rig;
   rig.spec = spec;
+  // The twin draws a patch in every picture: where the rig file is silent, the rig says where.
+  for (const auto& d : spec.cameras)
+    if (std::none_of(spec.patches.begin(), spec.patches.end(),
+                     [&](const PatchSpec& patch) { return patch.camera == d.id; }))
+      rig.spec.patches.push_back({d.id, pictureLayout(spec, d).patch_px});
   for (const auto& d : spec.cameras) rig.cameras.push_back(makeTwinCamera(world, d));
   for (std::size_t i = 0; i < spec.lights.size(); ++i)
     rig.lights.push_back(makeTwinLight(world, i));
