@@ -139,12 +139,14 @@ LightGate::Witness LightGate::judgePatch(const LightSample& sample, const PatchS
     w.known = w.known || j.known;
     w.bad = w.bad || isBad(j.judgement.verdict);
     if (std::abs(j.deviation) > std::abs(w.deviation)) w.deviation = j.deviation;
-    spread = level.spread[i];
+    // Over the level that was expected: a dark patch is dark, not spotted.
+    const double expected = j.known ? level.level[i] / (1 + j.deviation) : level.level[i];
+    const double own = expected > 0 ? level.spread[i] * level.level[i] / expected : 0;
     const double usual = j.after.spread;
-    spread_out =
-        spread_out || (usual >= 0 && spread > kSpreadLeast && spread > kCoveredSpread * usual);
+    spread = std::max(spread, own);
+    spread_out = spread_out || (usual >= 0 && own > kSpreadLeast && own > kCoveredSpread * usual);
     // A slow mean: dust and a specimen's shadow come slowly, an insect at once.
-    j.after.spread = usual < 0 ? spread : usual + 0.1 * (spread - usual);
+    j.after.spread = usual < 0 ? own : usual + 0.1 * (own - usual);
   }
   if (check_.mode == LightMode::kUncontrolled) return w;
   if (level.saturated_fraction > kPatchSaturated) {

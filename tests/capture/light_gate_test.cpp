@@ -165,6 +165,18 @@ TEST(LightGate, NamesAPatchThatIsPartlyCoveredByItsSpread) {
   EXPECT_EQ(verdictOf(v, "patch:cam0"), "covered");
 }
 
+TEST(LightGate, CallsADeadLampAHoldHoweverNoisyTheDarkIs) {
+  Room room;
+  room.with_lux = false;
+  room.learn();
+  room.patch = 1e-5;
+  room.spread = 40;
+  const GateVerdict v = room.shoot();
+  EXPECT_TRUE(v.blocks);
+  EXPECT_EQ(verdictOf(v, "patch:cam0"), "hold");
+  EXPECT_THAT(v.reason, HasSubstr("-100.0 %"));
+}
+
 TEST(LightGate, HoldsWhilePatchAndSensorDisagreeAndNamesThePatch) {
   Room room;
   room.learn();
