@@ -105,7 +105,7 @@ void BananaSurface::advance(float t, std::size_t at, int count, Stage& stage) co
               *freckle_inverse_width = &f_.freckle_inverse_width[at], *bruise = &f_.bruise[at],
               *bruise_inverse_width = &f_.bruise_inverse_width[at];
   const float jitter_now = 4 * t * (1 - t);
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     stage.age[i] = t + jitter[i] * jitter_now;
     stage.bruise[i] = 0.6f * smooth01(saturate((t - bruise[i]) * bruise_inverse_width[i]));
@@ -128,7 +128,7 @@ void BananaSurface::paint(float t, std::size_t at, int count, const Stage& stage
         *b = row[SurfaceRow::kDiffuseB] + x, *f0_r = row[SurfaceRow::kSpecularR] + x,
         *f0_g = row[SurfaceRow::kSpecularG] + x, *f0_b = row[SurfaceRow::kSpecularB] + x,
         *rough = row[SurfaceRow::kRoughness] + x, *degree = row[SurfaceRow::kDegree] + x;
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     const float dark = stage.dark[i], bruise = stage.bruise[i], since = stage.since[i];
     Rgb c = scaled(skin.at(stage.age[i]), 1 + fibre[i] * fibre_now + mottle[i] * mottle_now);
@@ -156,7 +156,7 @@ void BananaSurface::shape(float t, std::size_t at, int count, const Stage& stage
   float *nx = row[SurfaceRow::kNormalX] + x, *ny = row[SurfaceRow::kNormalY] + x,
         *nz = row[SurfaceRow::kNormalZ] + x, *height = row[SurfaceRow::kHeight] + x;
   const float old = t * t;
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     const float s = stage.raw[i];
     const float sink = 6 * s * (1 - s) * inverse_width[i] * kSinkMm;  // -d height / d arrival

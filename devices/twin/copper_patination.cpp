@@ -104,7 +104,7 @@ void CopperSurface::advance(float t, std::size_t at, int count, Stage& stage) co
   const float *wetting = &f_.wetting[at], *drying = &f_.drying[at],
               *drying_inverse_width = &f_.drying_inverse_width[at], *tarnish = &f_.tarnish[at],
               *patina = &f_.patina[at], *patina_inverse_width = &f_.patina_inverse_width[at];
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     stage.arrived[i] = smooth01(saturate((t - wetting[i]) / kWettingWidth));
     stage.dried_raw[i] = saturate((t - drying[i]) * drying_inverse_width[i]);
@@ -126,7 +126,7 @@ void CopperSurface::paint(std::size_t at, int count, const Stage& stage, int x,
   const float *mottle = &f_.mottle[at], *grain = &f_.grain[at], *tide = &f_.tide[at];
   float *r = row[SurfaceRow::kDiffuseR] + x, *g = row[SurfaceRow::kDiffuseG] + x,
         *b = row[SurfaceRow::kDiffuseB] + x, *degree = row[SurfaceRow::kDegree] + x;
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     const float brown = stage.brown[i], green = stage.green[i], wet = stage.wet[i];
     Rgb d = mix(metal, scaled(tarnish, 1 + 0.35f * mottle[i]), brown);
@@ -150,7 +150,7 @@ void CopperSurface::finish(std::size_t at, int count, const Stage& stage, int x,
               *d_g = row[SurfaceRow::kDiffuseG] + x, *d_b = row[SurfaceRow::kDiffuseB] + x;
   float *r = row[SurfaceRow::kSpecularR] + x, *g = row[SurfaceRow::kSpecularG] + x,
         *b = row[SurfaceRow::kSpecularB] + x, *roughness = row[SurfaceRow::kRoughness] + x;
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     const float brown = stage.brown[i], green = stage.green[i], wet = stage.wet[i];
     Rgb f0 = scaled(mix(metal, tarnish, brown), 1 + 0.16f * brush[i] * (1 - 0.5f * brown));
@@ -175,7 +175,7 @@ void CopperSurface::shape(std::size_t at, int count, const Stage& stage, int x,
               *patina_dy = &f_.patina_dy[at];
   float *nx = row[SurfaceRow::kNormalX] + x, *ny = row[SurfaceRow::kNormalY] + x,
         *nz = row[SurfaceRow::kNormalZ] + x, *height = row[SurfaceRow::kHeight] + x;
-#pragma GCC ivdep
+  PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     const float green = stage.green[i], wet = stage.wet[i];
     const float bare = (1 - 0.9f * wet) * (1 - 0.8f * green), crusted = green * (1 - wet);

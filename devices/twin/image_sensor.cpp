@@ -127,10 +127,10 @@ void ImageSensor::readChunk(std::uint64_t row_key, int x0, int count, const floa
   }
   if (faint > 0)
     for (int i = 0; i < count; ++i)
-      if (mean[i] < kPoissonBelow)
-        electrons[i] =
-            poisson(mean[i], uniform(hashSeed(row_key, static_cast<std::uint64_t>(x0 + i)))) +
-            read * normal[i];
+      if (mean[i] < kPoissonBelow) {
+        const std::uint64_t pixel = hashSeed(row_key, static_cast<std::uint64_t>(x0) + i);
+        electrons[i] = poisson(mean[i], uniform(pixel)) + read * normal[i];
+      }
 
   const auto full_well = static_cast<float>(profile_.full_well);
   const auto steps = static_cast<float>(iso.value / 100 / profile_.electronsPerStep());

@@ -7,6 +7,14 @@
 
 #include "processing/image/units.h"
 
+// Before a loop whose texels do not touch one another's memory, which a compiler cannot see of many
+// pointers: it may vectorise without testing them all.
+#ifdef __clang__
+#define PATINA_INDEPENDENT_TEXELS
+#else
+#define PATINA_INDEPENDENT_TEXELS _Pragma("GCC ivdep")
+#endif
+
 namespace patina::devices::twin {
 
 // body(y0, y1) for blocks of rows. Every row's result depends on y alone, so the number of threads
