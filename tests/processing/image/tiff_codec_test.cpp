@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <tiffio.h>
 
+#include <cstring>
+
 #include "processing/image/encoding.h"
 #include "processing/image/memory_tiff.h"
 #include "tests/processing/image/samples.h"
@@ -13,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 struct Form {
-  int compression = COMPRESSION_NONE, tile = 0, photometric = PHOTOMETRIC_RGB;
+  int compression = COMPRESSION_NONE, tile = 0, photometric = PHOTOMETRIC_RGB, rows = 5;
   bool is_float = false;
 };
 
@@ -31,7 +33,7 @@ Bytes tiffOf(const Image<T>& image, const Form& form = {}) {
   if (form.is_float) TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
   std::vector<T> row;
   if (form.tile == 0) {
-    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 5);
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, form.rows);
     for (int y = 0; y < image.height(); ++y) {
       row.assign(image.view().row(y), image.view().row(y) + image.width() * image.channels());
       TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0);
@@ -83,8 +85,16 @@ TEST(DecodeTiff, TurnsWhiteIsZeroRoundAndDropsAlpha) {
 }
 
 TEST(DecodeTiff, RefusesSamplesBeyondTheEndAndUnknownKinds) {
-  const Bytes whole = tiffOf(gradient(64, 48, 3), {.compression = COMPRESSION_NONE});
-  // libtiff puts the directory last: the claim of a larger height moves strips past the end.
+  Bytes moved = tiffOf(gradient(64, 48, 3), {.rows = 48});
+  // The entry of StripOffsets: tag 273, one LONG, the offset itself in the last four bytes.
+  const Bytes entry = bytesOf(std::string("\x11\x01\x04\x00\x01\x00\x00\x00", 8));
+  const auto at = std::search(moved.begin(), moved.end(), entry.begin(), entry.end());
+  ASSERT_NE(at, moved.end());
+  const auto offset = static_cast<std::uint32_t>(moved.size() - 100);
+  std::memcpy(&*at + 8, &offset, 4);
+  EXPECT_THAT(refusalOf([&] { decodePicture(moved); }), HasSubstr("lie beyond the end"));
+  EXPECT_THAT(refusalOf([&] { readPictureHeader(moved); }), HasSubstr("lie beyond the end"));
+  const Bytes whole = tiffOf(gradient(64, 48, 3));
   EXPECT_GT(countRefusedDamage(whole), 50);
   EXPECT_GT(countRefusedDamage(tiffOf(gradient(64, 48, 3), {.compression = COMPRESSION_LZW})), 50);
   Image<std::uint8_t> palette(4, 4, 1, 1);
