@@ -185,6 +185,7 @@ Bytes encodeDng(const RawMosaic& raw) {
   MemoryTiff file = MemoryTiff::writing();
   TIFF* tiff = file.handle();
   const std::uint64_t exif = writeExif(tiff, raw);
+  TIFFFreeDirectory(tiff);  // the next line would only forget what the EXIF directory holds
   TIFFCreateDirectory(tiff);
   describeSamples(tiff, raw);
   describeCamera(tiff, raw);
