@@ -43,14 +43,14 @@ FileCut cutOf(std::uint64_t file, const Unsynced::OneFile& state, std::uint64_t 
   return cut;
 }
 
-bool touches(const UndoEntry& entry, const std::set<std::filesystem::path>& lost) {
+bool touches(const UndoEntry& entry, const std::set<std::string>& lost) {
   return lost.contains(entry.path) || (!entry.to.empty() && lost.contains(entry.to));
 }
 
-bool liesUnder(const UndoEntry& entry, const std::vector<std::filesystem::path>& folders) {
-  return std::ranges::any_of(folders, [&](const std::filesystem::path& folder) {
-    const std::string head = folder.native() + "/";
-    return entry.path.native().starts_with(head) || entry.to.native().starts_with(head);
+bool liesUnder(const UndoEntry& entry, const std::vector<std::string>& folders) {
+  return std::ranges::any_of(folders, [&](const std::string& folder) {
+    const std::string head = folder + "/";
+    return entry.path.starts_with(head) || entry.to.starts_with(head);
   });
 }
 
@@ -58,14 +58,14 @@ bool liesUnder(const UndoEntry& entry, const std::vector<std::filesystem::path>&
 // folder too.
 std::vector<UndoEntry> lostNames(const std::vector<UndoEntry>& names, bool all,
                                  std::uint64_t seed) {
-  std::map<std::filesystem::path, std::size_t> left;
+  std::map<std::string, std::size_t> left;
   for (const UndoEntry& e : names) ++left[e.folder()];
   for (auto& [folder, count] : left)
-    count = all ? 0 : keptOf(count, hashText(hashSeed(seed, kFolder), folder.native()));
+    count = all ? 0 : keptOf(count, hashText(hashSeed(seed, kFolder), folder));
 
   std::vector<UndoEntry> lost;
-  std::set<std::filesystem::path> lost_paths;
-  std::vector<std::filesystem::path> lost_folders;
+  std::set<std::string> lost_paths;
+  std::vector<std::string> lost_folders;
   for (const UndoEntry& e : names) {
     std::size_t& here = left[e.folder()];
     if (here > 0 && !touches(e, lost_paths) && !liesUnder(e, lost_folders)) {

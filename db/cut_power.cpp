@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <map>
+#include <span>
 #include <string>
 #include <system_error>
 
@@ -88,7 +89,7 @@ class KeptTimes {
 
 // Where a lost sector of a write gets its old bytes from: the image, and zeros behind the old end
 // (the file may have kept its new size without the bytes).
-void restore(const Descriptor& file, const UndoEntry& e, const std::vector<std::byte>& image,
+void restore(const Descriptor& file, const UndoEntry& e, std::span<const std::byte> image,
              std::int64_t from, std::int64_t to) {
   const std::int64_t image_end = e.offset + e.image_bytes;
   const std::int64_t split = std::clamp(image_end, from, to);
@@ -101,7 +102,7 @@ void restore(const Descriptor& file, const UndoEntry& e, const std::vector<std::
 
 // Takes change `index` back, sector by sector; the end of what survives of it, 0 when nothing does.
 std::int64_t takeBack(const Descriptor& file, const UndoEntry& e, std::size_t index,
-                      const FileCut& cut, const std::vector<std::byte>& image) {
+                      const FileCut& cut, std::span<const std::byte> image) {
   if (e.kind == Kind::kTruncate) {
     if (index >= cut.kept) restore(file, e, image, e.offset, e.offset + e.image_bytes);
     return index < cut.kept ? e.offset : 0;
@@ -127,11 +128,16 @@ void takeBackBytes(const UndoLog& log, const FileCut& cut, CutReport* report) {
   const Unsynced::OneFile& state = log.unsynced().files().at(cut.file);
   const auto& changes = state.changes;
   const bool buried = state.removed_by != 0;
-  const Descriptor file(buried ? log.grave(state.removed_by) : state.path, O_WRONLY);
+  const Descriptor file(buried ? log.grave(state.removed_by) : std::filesystem::path(state.path),
+                        O_WRONLY);
   report->writes_lost += static_cast<int>(changes.size() - cut.kept);
   if (!file.isOpen()) return;  // somebody else removed it
 
-  std::int64_t size = cut.kept < changes.size() ? changes[cut.kept].old_size : file.size();
+  // The next change that moved the end knows where it was.
+  const auto moved =
+      std::ranges::find_if(changes.begin() + static_cast<std::ptrdiff_t>(cut.kept), changes.end(),
+                           [](const UndoEntry& e) { return e.old_size >= 0; });
+  std::int64_t size = moved != changes.end() ? moved->old_size : file.size();
   for (std::size_t i = changes.size(); i-- > 0;) {
     if (i < cut.kept && cut.tear != FileCut::Tear::kReordered) break;
     const std::int64_t survived = takeBack(file, changes[i], i, cut, log.image(changes[i]));
@@ -198,7 +204,7 @@ CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed) 
   report.names_lost = static_cast<int>(plan.names.size());
   KeptTimes times;
   for (const UndoEntry& e : plan.names)
-    for (const auto& path : {e.path, e.to})
+    for (const std::filesystem::path path : {e.path, e.to})
       if (!path.empty()) times.keep(path.parent_path());
   for (const FileCut& cut : plan.files) times.keep(log.unsynced().files().at(cut.file).path);
   if (progress.bytes_done == 0) {

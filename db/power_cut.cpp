@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -24,13 +26,82 @@ std::optional<std::uint64_t> inodeOf(const std::filesystem::path& path) {
   return status.st_ino;
 }
 
-UndoEntry nameEntry(Kind kind, const std::filesystem::path& path,
-                    const std::filesystem::path& to = {}) {
+UndoEntry nameEntry(Kind kind, const std::string& path, const std::string& to = {}) {
   UndoEntry entry;
   entry.kind = kind;
   entry.path = path, entry.to = to;
   return entry;
 }
+
+// What a file holds from some place on, read ahead: SQLite writes a transaction in many small steps
+// one after another, and a system call each would be felt. Forgotten at every sync, since other
+// processes may write there between transactions, never within one.
+class OldBytes {
+ public:
+  // Makes [offset, offset + bytes) known. 0 or -errno.
+  int read(File& disk, std::int64_t offset, std::int64_t bytes) {
+    if (at_ <= offset && (to_end_ || offset + bytes <= end())) return 0;
+    forget();
+    const auto wanted = static_cast<std::size_t>(std::max(bytes, kAhead));
+    if (room_ < wanted) {
+      held_ = std::make_unique_for_overwrite<std::byte[]>(wanted);
+      room_ = wanted;
+    }
+    std::size_t have = 0;
+    while (have < wanted) {
+      const std::int64_t got =
+          disk.read({held_.get() + have, wanted - have}, offset + static_cast<std::int64_t>(have));
+      if (got < 0) return static_cast<int>(got);
+      if (got == 0) break;
+      have += static_cast<std::size_t>(got);
+    }
+    to_end_ = have < wanted;
+    size_ = static_cast<std::int64_t>(have);
+    at_ = offset;
+    if (have > 0) return 0;
+    const std::int64_t size = disk.size();
+    if (size < 0) return static_cast<int>(size);
+    at_ = size;
+    return 0;
+  }
+  // What a write there overwrites, and the end of the file if it moves it, else -1.
+  std::span<const std::byte> under(std::int64_t offset, std::int64_t bytes) const {
+    const std::int64_t from = std::min(offset, end()), to = std::min(offset + bytes, end());
+    return {held_.get() + (from - at_), static_cast<std::size_t>(to - from)};
+  }
+  std::int64_t endMovedBy(std::int64_t offset, std::int64_t bytes) const {
+    return offset + bytes > end() ? end() : -1;
+  }
+  void overwrite(std::span<const std::byte> data, std::int64_t offset) {
+    const std::int64_t data_end = offset + static_cast<std::int64_t>(data.size());
+    if (data_end > end()) {  // it was the end of the file
+      size_ = 0;
+      at_ = data_end;
+    } else {
+      std::memcpy(held_.get() + (offset - at_), data.data(), data.size());
+    }
+  }
+  void forget() {
+    size_ = 0;
+    at_ = kNowhere;
+    to_end_ = false;
+  }
+  void startEmpty() {
+    forget();
+    at_ = 0;
+    to_end_ = true;
+  }
+
+ private:
+  static constexpr std::int64_t kAhead = 32 << 10;
+  static constexpr std::int64_t kNowhere = std::numeric_limits<std::int64_t>::max();
+  std::int64_t end() const { return at_ + size_; }
+  std::int64_t at_ = kNowhere;
+  std::int64_t size_ = 0;
+  std::unique_ptr<std::byte[]> held_;
+  std::size_t room_ = 0;
+  bool to_end_ = false;  // held_ goes to the end of the file
+};
 
 }  // namespace
 
@@ -38,12 +109,13 @@ struct PowerCutFiles::State {
   // What all handles of one file share.
   struct Opened {
     std::uint64_t file = 0;
-    std::filesystem::path path;  // today's; empty once its name is gone
+    std::string path;  // today's; empty once its name is gone
+    OldBytes old;
   };
 
   State(FileOps& disk_, const std::filesystem::path& log_folder) : disk(disk_), log(log_folder) {}
 
-  std::shared_ptr<Opened> opened(const std::filesystem::path& path) {
+  std::shared_ptr<Opened> opened(const std::string& path) {
     std::weak_ptr<Opened>& known = handles[path];
     if (auto there = known.lock()) return there;
     auto fresh = std::make_shared<Opened>();
@@ -54,12 +126,12 @@ struct PowerCutFiles::State {
     return fresh;
   }
 
-  void closed(const std::filesystem::path& path) {
+  void closed(const std::string& path) {
     const auto it = handles.find(path);
     if (it != handles.end() && it->second.expired()) handles.erase(it);
   }
 
-  void renamed(const std::filesystem::path& from, const std::filesystem::path& to) {
+  void renamed(const std::string& from, const std::string& to) {
     gone(to);
     const auto it = handles.find(from);
     if (it == handles.end()) return;
@@ -70,7 +142,7 @@ struct PowerCutFiles::State {
     handles[to] = file;
   }
 
-  void gone(const std::filesystem::path& path) {
+  void gone(const std::string& path) {
     const auto it = handles.find(path);
     if (it == handles.end()) return;
     if (const auto file = it->second.lock()) file->path.clear();
@@ -101,8 +173,7 @@ struct PowerCutFiles::State {
   std::mutex mutex;
   FileOps& disk;
   UndoLog log;
-  std::map<std::filesystem::path, std::weak_ptr<Opened>> handles;
-  std::vector<std::byte> image;
+  std::map<std::string, std::weak_ptr<Opened>> handles;
 };
 
 namespace {
@@ -116,7 +187,7 @@ class LoggedFile final : public File {
       : state_(std::move(state)), opened_(std::move(opened)), disk_(std::move(disk)) {}
   ~LoggedFile() override {
     const std::lock_guard lock(state_->mutex);
-    const std::filesystem::path path = opened_->path;
+    const std::string path = opened_->path;
     opened_.reset();
     state_->closed(path);
   }
@@ -127,13 +198,34 @@ class LoggedFile final : public File {
 
   std::int64_t write(std::span<const std::byte> data, std::int64_t offset) override {
     const std::lock_guard lock(state_->mutex);
-    const int got = announce(Kind::kWrite, offset, static_cast<std::int64_t>(data.size()));
-    return got < 0 ? got : disk_->write(data, offset);
+    // Without a name nobody finds it after the cut.
+    if (opened_->path.empty()) return disk_->write(data, offset);
+    const auto bytes = static_cast<std::int64_t>(data.size());
+    OldBytes& old = opened_->old;
+    if (const int got = old.read(*disk_, offset, bytes); got < 0) return got;
+    UndoEntry entry = entryOf(Kind::kWrite, offset, old.endMovedBy(offset, bytes));
+    entry.bytes = bytes;
+    if (const int got = state_->log.add(std::move(entry), old.under(offset, bytes)); got < 0)
+      return got;
+    const std::int64_t got = disk_->write(data, offset);
+    if (got == bytes)
+      old.overwrite(data, offset);
+    else
+      old.forget();
+    return got;
   }
 
   int truncate(std::int64_t size) override {
     const std::lock_guard lock(state_->mutex);
-    const int got = announce(Kind::kTruncate, size, 0);
+    if (opened_->path.empty()) return disk_->truncate(size);
+    const std::int64_t old_size = disk_->size();
+    if (old_size < 0) return static_cast<int>(old_size);
+    OldBytes& old = opened_->old;
+    const std::int64_t bytes = std::max<std::int64_t>(0, old_size - size);
+    if (const int got = old.read(*disk_, size, bytes); got < 0) return got;
+    const UndoEntry entry = entryOf(Kind::kTruncate, size, old_size);
+    const int got = state_->log.add(entry, old.under(size, bytes));
+    old.forget();
     return got < 0 ? got : disk_->truncate(size);
   }
 
@@ -142,6 +234,7 @@ class LoggedFile final : public File {
     {
       const std::lock_guard lock(state_->mutex);
       entry.upto = state_->log.nextSeq() - 1;
+      opened_->old.forget();
     }
     const int got = disk_->sync();
     const std::lock_guard lock(state_->mutex);
@@ -155,28 +248,12 @@ class LoggedFile final : public File {
   std::int64_t size() override { return disk_->size(); }
 
  private:
-  // Writes down what a write to [offset, offset + bytes), or a truncation to `offset`, overwrites.
-  int announce(Kind kind, std::int64_t offset, std::int64_t bytes) {
-    if (opened_->path.empty()) return 0;  // without a name nobody finds it after the cut
+  UndoEntry entryOf(Kind kind, std::int64_t offset, std::int64_t old_size) const {
     UndoEntry entry = nameEntry(kind, opened_->path);
     entry.file = opened_->file;
-    entry.offset = offset, entry.bytes = bytes;
-    entry.old_size = disk_->size();
-    if (entry.old_size < 0) return static_cast<int>(entry.old_size);
-    const std::int64_t end =
-        kind == Kind::kWrite ? std::min(offset + bytes, entry.old_size) : entry.old_size;
-    std::vector<std::byte>& image = state_->image;
-    image.resize(static_cast<std::size_t>(std::max<std::int64_t>(0, end - offset)));
-    std::size_t have = 0;
-    while (have < image.size()) {
-      const std::int64_t got =
-          disk_->read(std::span(image).subspan(have), offset + static_cast<std::int64_t>(have));
-      if (got < 0) return static_cast<int>(got);
-      if (got == 0) break;
-      have += static_cast<std::size_t>(got);
-    }
-    image.resize(have);
-    return state_->log.add(entry, image);
+    entry.offset = offset;
+    entry.old_size = old_size;
+    return entry;
   }
 
   std::shared_ptr<State> state_;
@@ -197,7 +274,12 @@ int PowerCutFiles::open(const std::filesystem::path& path, Mode mode, std::uniqu
   const auto make = [&] { return state_->disk.open(path, mode, out); };
   const int got = creates ? state_->change(nameEntry(Kind::kCreate, path), make) : make();
   if (got < 0) return got;
-  *out = std::make_unique<LoggedFile>(state_, state_->opened(path), std::move(*out));
+  auto opened = state_->opened(path);
+  if (creates)
+    opened->old.startEmpty();
+  else
+    opened->old.forget();
+  *out = std::make_unique<LoggedFile>(state_, std::move(opened), std::move(*out));
   return got;
 }
 

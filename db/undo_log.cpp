@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "db/undo_log.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <system_error>
 
@@ -18,10 +14,7 @@
 namespace patina::db {
 namespace {
 
-// A log that nothing needs any more is emptied only now and then: truncating costs more than
-// appending.
-constexpr std::int64_t kEmptyAtBytes = 256 << 10;
-constexpr std::int64_t kCompactAtBytes = 8 << 20;
+constexpr std::int64_t kCompactAtBytes = 1 << 20;
 constexpr std::uint32_t kMagic = 0x6f646e75;
 
 struct Header {
@@ -32,12 +25,26 @@ struct Header {
   std::int64_t image_bytes;
 };
 
-[[noreturn]] void fail(const std::string& doing, const std::filesystem::path& path, int error) {
-  throw ArchiveError(Exit::kIo,
-                     doing + " " + path.string() + ": " + std::generic_category().message(error));
+const std::filesystem::path& madeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder / "grave", error);
+  if (error) throw ArchiveError(Exit::kIo, "making " + folder.string() + ": " + error.message());
+  return folder;
 }
 
-Header headerOf(const UndoEntry& e, std::size_t image_bytes) {
+[[noreturn]] void failDamaged(const std::filesystem::path& folder) {
+  throw ArchiveError(Exit::kBadData, "the undo log in " + folder.string() +
+                                         " is damaged: what a power cut would take is unknown");
+}
+
+std::span<const std::byte> bytesOf(const Header& header) {
+  return std::as_bytes(std::span(&header, 1));
+}
+std::span<const std::byte> bytesOf(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+Header headerOf(const UndoEntry& e) {
   return {kMagic,
           static_cast<std::uint32_t>(e.kind),
           e.seq,
@@ -48,10 +55,10 @@ Header headerOf(const UndoEntry& e, std::size_t image_bytes) {
           e.bytes,
           e.old_size,
           e.saved,
-          static_cast<std::uint32_t>(e.path.native().size()),
-          static_cast<std::uint32_t>(e.to.native().size()),
+          static_cast<std::uint32_t>(e.path.size()),
+          static_cast<std::uint32_t>(e.to.size()),
           e.stuck ? 1u : 0u,
-          static_cast<std::int64_t>(image_bytes)};
+          e.image_bytes};
 }
 
 UndoEntry entryOf(const Header& h, const char* names) {
@@ -74,37 +81,33 @@ int copyFile(const std::filesystem::path& from, const std::filesystem::path& to)
 
 }  // namespace
 
-UndoLog::UndoLog(const std::filesystem::path& folder) : folder_(folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder_ / "grave", error);
-  if (error) fail("making the undo log", folder_, error.value());
-  fd_ = ::open((folder_ / "log").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (fd_ < 0) fail("opening the undo log", folder_, errno);
+UndoLog::UndoLog(const std::filesystem::path& folder)
+    : folder_(folder), log_(madeFolder(folder)), compact_at_(kCompactAtBytes) {
   load();
 }
 
-UndoLog::~UndoLog() { ::close(fd_); }
-
 int UndoLog::add(UndoEntry entry, std::span<const std::byte> image) {
   entry.seq = next_seq_;
-  const int got = append(entry, image);
+  entry.image_bytes = static_cast<std::int64_t>(image.size());
+  const Header header = headerOf(entry);
+  const int got = log_.append({bytesOf(header), bytesOf(entry.path), bytesOf(entry.to), image});
   if (got < 0) return got;
   ++next_seq_;
-  entry.image_at = length_ - static_cast<std::int64_t>(image.size());
-  entry.image_bytes = static_cast<std::int64_t>(image.size());
-  unsynced_.apply(entry);
-  if (entry.changesBytes() || entry.changesNames()) return 0;
+  entry.image_at = length() - entry.image_bytes;
+  const bool changes = entry.changesBytes() || entry.changesNames();
+  unsynced_.apply(std::move(entry));
+  if (changes) return 0;
   dropSpentGraves();
-  if (unsynced_.empty() && length_ > kEmptyAtBytes && ::ftruncate(fd_, 0) == 0) length_ = 0;
-  if (length_ > kCompactAtBytes && length_ > 2 * unsynced_.imageBytes()) return compact();
+  if (unsynced_.empty())
+    log_.empty();
+  else if (length() > compact_at_)
+    compact();
   return 0;
 }
 
-std::vector<std::byte> UndoLog::image(const UndoEntry& entry) const {
-  std::vector<std::byte> bytes(static_cast<std::size_t>(entry.image_bytes));
-  const ssize_t got = ::pread(fd_, bytes.data(), bytes.size(), entry.image_at);
-  if (got != static_cast<ssize_t>(bytes.size())) fail("reading the undo log", folder_, EIO);
-  return bytes;
+std::span<const std::byte> UndoLog::image(const UndoEntry& entry) const {
+  return log_.bytes().subspan(static_cast<std::size_t>(entry.image_at),
+                              static_cast<std::size_t>(entry.image_bytes));
 }
 
 std::filesystem::path UndoLog::grave(std::uint64_t seq) const {
@@ -119,37 +122,32 @@ int UndoLog::bury(const std::filesystem::path& file, std::uint64_t seq) {
 }
 
 void UndoLog::forget() {
-  if (::ftruncate(fd_, 0) != 0) fail("emptying the undo log", folder_, errno);
-  length_ = 0;
+  log_.empty();
   unsynced_ = Unsynced();
   for (const auto& grave : std::filesystem::directory_iterator(folder_ / "grave"))
     std::filesystem::remove(grave);
 }
 
+std::int64_t UndoLog::length() const { return static_cast<std::int64_t>(log_.bytes().size()); }
+
 void UndoLog::load() {
-  std::vector<std::byte> log(
-      static_cast<std::size_t>(std::max<off_t>(0, ::lseek(fd_, 0, SEEK_END))));
-  if (::pread(fd_, log.data(), log.size(), 0) != static_cast<ssize_t>(log.size()))
-    fail("reading the undo log", folder_, EIO);
+  const std::span<const std::byte> log = log_.bytes();
   UndoEntry last;
-  std::size_t at = 0;
-  for (;;) {
+  for (std::size_t at = 0; at < log.size();) {
     Header h;
-    if (log.size() - at < sizeof h) break;
+    if (log.size() - at < sizeof h) failDamaged(folder_);
     std::memcpy(&h, log.data() + at, sizeof h);
     const std::size_t names = at + sizeof h, image = names + h.path_bytes + h.to_bytes;
-    // A kill may cut the last append short; its change was then never made.
-    if (h.magic != kMagic || image + static_cast<std::size_t>(h.image_bytes) > log.size()) break;
+    if (h.magic != kMagic || image + static_cast<std::size_t>(h.image_bytes) > log.size())
+      failDamaged(folder_);
     UndoEntry entry = entryOf(h, reinterpret_cast<const char*>(log.data()) + names);
     entry.image_at = static_cast<std::int64_t>(image);
     at = image + static_cast<std::size_t>(h.image_bytes);
     next_seq_ = std::max(next_seq_, entry.seq + 1);
     next_file_ = std::max(next_file_, entry.file + 1);
-    unsynced_.apply(entry);
-    last = std::move(entry);
+    last = entry;
+    unsynced_.apply(std::move(entry));
   }
-  length_ = static_cast<std::int64_t>(at);
-  if (::ftruncate(fd_, length_) != 0) fail("cutting the undo log", folder_, errno);
   settle(last);
   dropSpentGraves();
 }
@@ -166,44 +164,23 @@ void UndoLog::settle(const UndoEntry& last) {
   UndoEntry verdict;
   verdict.kind = made ? UndoEntry::Kind::kHappened : UndoEntry::Kind::kCancelled;
   verdict.upto = last.seq;
-  const int got = add(verdict);
-  if (got < 0) fail("writing the undo log", folder_, -got);
+  if (const int got = add(verdict); got < 0)
+    throw ArchiveError(Exit::kIo, "no space for the undo log in " + folder_.string());
 }
 
-int UndoLog::append(const UndoEntry& entry, std::span<const std::byte> image) {
-  Header header = headerOf(entry, image.size());
-  std::array<iovec, 4> parts = {{{&header, sizeof header},
-                                 {const_cast<char*>(entry.path.c_str()), header.path_bytes},
-                                 {const_cast<char*>(entry.to.c_str()), header.to_bytes},
-                                 {const_cast<std::byte*>(image.data()), image.size()}}};
-  std::int64_t total = 0;
-  for (const iovec& part : parts) total += static_cast<std::int64_t>(part.iov_len);
-  const ssize_t got = ::pwritev(fd_, parts.data(), static_cast<int>(parts.size()), length_);
-  if (got < 0) return -errno;
-  if (got != total) return -ENOSPC;
-  length_ += total;
-  return 0;
-}
-
-// Writes what is still unsynced into a new log. Names first: a file's path is then today's.
-int UndoLog::compact() {
-  const std::filesystem::path fresh = folder_ / "log.new";
-  const int fd = ::open(fresh.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (fd < 0) return -errno;
-  const int old_fd = fd_;
-  const std::int64_t old_length = length_;
+// Puts a log of what is still unsynced in the place of this one. Names first: a file's path is then
+// today's. Without space the old log stays; it says everything too.
+void UndoLog::compact() {
   Unsynced kept;
-  int got = 0;
+  bool whole = true;
   const auto take = [&](UndoEntry entry) {
-    if (got < 0) return;
-    fd_ = old_fd;
-    const std::vector<std::byte> bytes = image(entry);
-    fd_ = fd;
-    got = append(entry, bytes);
-    entry.image_at = length_ - entry.image_bytes;
-    kept.apply(entry);
+    const std::span<const std::byte> bytes = image(entry);
+    const Header header = headerOf(entry);
+    whole = whole && log_.appendBeside(
+                         {bytesOf(header), bytesOf(entry.path), bytesOf(entry.to), bytes}) == 0;
+    entry.image_at = log_.besideLength() - entry.image_bytes;
+    kept.apply(std::move(entry));
   };
-  length_ = 0;
   for (const UndoEntry& name : unsynced_.names()) take(name);
   for (const auto& [file, state] : unsynced_.files())
     for (UndoEntry change : state.changes) {
@@ -211,14 +188,11 @@ int UndoLog::compact() {
       change.upto = state.removed_by;
       take(std::move(change));
     }
-  if (got == 0 && ::rename(fresh.c_str(), (folder_ / "log").c_str()) == 0) {
-    unsynced_ = std::move(kept);
-    ::close(old_fd);
-    return 0;
-  }
-  fd_ = old_fd, length_ = old_length;  // the old log still says everything
-  ::close(fd);
-  return 0;
+  compact_at_ = 2 * length();
+  if (!whole) return log_.dropBeside();
+  log_.exchange();
+  unsynced_ = std::move(kept);
+  compact_at_ = std::max(kCompactAtBytes, 2 * length());
 }
 
 void UndoLog::dropSpentGraves() {

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The log of what can be taken back: a folder of plain files outside the archive, written before
 // every change, so that it outlives a SIGKILL of the writer (its pages belong to the kernel then).
-// It is never synced: it need not survive what it simulates.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <vector>
 
+#include "db/mapped_log.h"
 #include "db/unsynced.h"
 
 namespace patina::db {
@@ -20,9 +19,6 @@ class UndoLog {
   // Opens or creates. What an earlier process left unsynced is unsynced still, unless a cut came
   // between; a change that was announced and never made is struck out. ArchiveError.
   explicit UndoLog(const std::filesystem::path& folder);
-  ~UndoLog();
-  UndoLog(const UndoLog&) = delete;
-  UndoLog& operator=(const UndoLog&) = delete;
 
   // Numbers `entry` and keeps it with the bytes it is about to overwrite. 0 or -errno: then the
   // change must not be made.
@@ -31,7 +27,8 @@ class UndoLog {
   std::uint64_t newFile() { return next_file_++; }
 
   const Unsynced& unsynced() const { return unsynced_; }
-  std::vector<std::byte> image(const UndoEntry& entry) const;  // ArchiveError
+  // Until the next add().
+  std::span<const std::byte> image(const UndoEntry& entry) const;
 
   // Where the file that a removal or a replacement takes away is kept: bury() links or copies it.
   std::filesystem::path grave(std::uint64_t seq) const;
@@ -40,15 +37,15 @@ class UndoLog {
   void forget();  // everything: the cut is done
 
  private:
+  std::int64_t length() const;
   void load();
   void settle(const UndoEntry& last);
-  int append(const UndoEntry& entry, std::span<const std::byte> image);
-  int compact();
+  void compact();
   void dropSpentGraves();
 
   std::filesystem::path folder_;
-  int fd_ = -1;
-  std::int64_t length_ = 0;
+  MappedLog log_;
+  std::int64_t compact_at_;  // bytes of log
   std::uint64_t next_seq_ = 1, next_file_ = 1;
   Unsynced unsynced_;
 };

@@ -9,19 +9,15 @@ namespace patina::db {
 namespace {
 
 // `path` with `to` in place of `from`, when it is `from` or lies under it.
-std::filesystem::path moved(const std::filesystem::path& path, const std::filesystem::path& from,
-                            const std::filesystem::path& to) {
-  const std::string& text = path.native();
-  const std::string& head = from.native();
-  if (text == head) return to;
-  if (text.size() <= head.size() || !text.starts_with(head) || text[head.size()] != '/')
-    return path;
-  return to.native() + text.substr(head.size());
+std::string moved(const std::string& path, const std::string& from, const std::string& to) {
+  if (!path.starts_with(from)) return path;
+  if (path.size() > from.size() && path[from.size()] != '/') return path;
+  return to + path.substr(from.size());
 }
 
 }  // namespace
 
-void Unsynced::apply(const UndoEntry& entry) {
+void Unsynced::apply(UndoEntry entry) {
   using Kind = UndoEntry::Kind;
   switch (entry.kind) {
     case Kind::kWrite:
@@ -29,7 +25,7 @@ void Unsynced::apply(const UndoEntry& entry) {
       OneFile& file = files_[entry.file];
       if (file.changes.empty()) file.path = entry.path;
       if (entry.upto != 0) file.removed_by = entry.upto;
-      file.changes.push_back(entry);
+      file.changes.push_back(std::move(entry));
       return;
     }
     case Kind::kRename:
@@ -55,20 +51,13 @@ void Unsynced::apply(const UndoEntry& entry) {
     case Kind::kHappened:
       return;
   }
-  names_.push_back(entry);
+  names_.push_back(std::move(entry));
 }
 
-std::optional<std::uint64_t> Unsynced::fileAt(const std::filesystem::path& path) const {
+std::optional<std::uint64_t> Unsynced::fileAt(const std::string& path) const {
   for (const auto& [file, state] : files_)
     if (state.removed_by == 0 && state.path == path) return file;
   return std::nullopt;
-}
-
-std::int64_t Unsynced::imageBytes() const {
-  std::int64_t bytes = 0;
-  for (const auto& [file, state] : files_)
-    for (const UndoEntry& change : state.changes) bytes += change.image_bytes;
-  return bytes;
 }
 
 std::vector<std::uint64_t> Unsynced::takeSpentGraves() { return std::exchange(spent_graves_, {}); }
@@ -103,8 +92,8 @@ void Unsynced::syncFile(std::uint64_t file, std::uint64_t upto) {
   if (it->second.changes.empty()) files_.erase(it);
 }
 
-void Unsynced::syncFolder(const std::filesystem::path& folder, std::uint64_t upto) {
-  std::set<std::filesystem::path> rests_upon;
+void Unsynced::syncFolder(const std::string& folder, std::uint64_t upto) {
+  std::set<std::string> rests_upon;
   std::set<std::uint64_t> kept;
   for (auto it = names_.rbegin(); it != names_.rend(); ++it) {
     const bool here = it->seq <= upto && it->folder() == folder;
