@@ -12,6 +12,7 @@
 
 #include "processing/image/random.h"
 #include "tests/support/places.h"
+#include "tests/support/temp_folder.h"
 
 namespace patina::testing {
 namespace {
@@ -63,6 +64,39 @@ TEST(KillDriver, FindsEveryStepOnceInASession) {
 TEST(KillDriver, FindsEveryStepOnceInASessionInRealTime) {
   killOverAndOver(victim("session_victim", "real"), killsAskedFor() / 3, 3);
 }
+
+// `patina` itself, as its user runs it: `verb` in virtual or real time.
+void killPatina(const std::string& verb, int kills, std::uint64_t seed) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeFile(folder / "rig.toml", R"(name = "bench"
+[[camera]]
+id = "cam0"
+backend = "twin"
+settings = { format = "jpeg" }
+[[light]]
+id = "key"
+backend = "twin"
+between = "on"
+[twin]
+specimen = "grey_card"
+size = "64x48"
+)");
+  writeFile(folder / "plan.toml", R"(rig = "rig.toml"
+specimen = "card"
+interval = "50ms"
+duration = "24h"
+[[sweep]]
+lights = [["key"]]
+exposures = ["1/100"]
+)");
+  killOverAndOver({{program().string(), verb, (folder / "plan.toml").string(), "--archive",
+                    "{archive}", "--log-acks", "{acks}", "--quiet"}},
+                  kills, seed);
+}
+
+TEST(KillDriver, FindsNothingLostInARehearsal) { killPatina("rehearse", killsAskedFor() / 3, 5); }
+
+TEST(KillDriver, FindsNothingLostInACapture) { killPatina("capture", killsAskedFor() / 3, 6); }
 
 TEST(KillDriver, KillsTheVictimItIsGiven) {
   const char* text = std::getenv("PATINA_VICTIM");
