@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr int kWholeStepsToLearnFrom = 6;
 constexpr std::size_t kRowsACommit = 10'000;
 constexpr Nanoseconds kAwakeEvery = 15s, kAskEvery = 250ms;
 
@@ -63,7 +64,7 @@ class Session {
  private:
   void takeUp();
   void finishInterrupted(db::StepRow step);
-  void countRows();
+  void takeUpRows();
   void watchClock();
   void act(const Decision& d);
   void wait(const Decision& d);
@@ -118,9 +119,7 @@ void Session::takeUp() {
   if (!begun) state_.awake_mono = clock_.mono();
   if (left->unfinished) finishInterrupted(*left->unfinished);
   if (begun) {
-    countRows();
-    const auto checks = archive_.reader().lightChecks(run_id_);
-    runner_.gate().restore(checks);
+    takeUpRows();
   }
 }
 
@@ -135,8 +134,23 @@ void Session::finishInterrupted(db::StepRow step) {
   archive_.finishStep(step);
 }
 
-void Session::countRows() {
-  for (const db::StepRow& row : archive_.reader().steps(run_id_)) count(row);
+// Counts, and the light's series: the verdicts of the last steps that were whole hold one row at
+// least of every series; what lies before them would only cost time.
+void Session::takeUpRows() {
+  const auto& reader = archive_.reader();
+  const auto steps = reader.steps(run_id_);
+  for (const db::StepRow& row : steps) count(row);
+  std::vector<db::LightCheckRow> checks;
+  int whole = 0;
+  for (auto row = steps.rbegin(); row != steps.rend() && whole < kWholeStepsToLearnFrom; ++row) {
+    if (row->decision == db::Decision::kCaptured) ++whole;
+    if (row->shots_captured == 0) continue;
+    for (const db::ShotRow& shot : reader.shotsOfStep(row->id))
+      for (db::LightCheckRow& check : reader.lightChecksOfShot(shot.id))
+        checks.push_back(std::move(check));
+  }
+  std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  runner_.gate().restore(checks);
 }
 
 void Session::count(const db::StepRow& row) {

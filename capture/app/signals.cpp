@@ -1,26 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/app/signals.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <utility>
 
 namespace patina::app {
+namespace {
+
+volatile std::sig_atomic_t signals_pipe = -1;
+
+// A handler, not a mask with signalfd: OpenBLAS starts threads before main(), no mask of ours
+// reaches those, and a signal that finds such a thread would end the process.
+void pass(int number) {
+  const auto byte = static_cast<unsigned char>(number);
+  if (write(signals_pipe, &byte, 1) != 1) _exit(128 + number);
+}
+
+}  // namespace
 
 Signals::Signals() {
   std::signal(SIGPIPE, SIG_IGN);
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
-  sigaddset(&set, SIGUSR1);
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  signals_fd_ = signalfd(-1, &set, SFD_CLOEXEC);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
+  signals_fd_ = ends[0];
+  signals_pipe = ends[1];
+  struct sigaction action {};
+  action.sa_handler = pass;
+  action.sa_flags = SA_RESTART;
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) sigaction(number, &action, nullptr);
   quit_fd_ = eventfd(0, EFD_CLOEXEC);
   thread_ = std::thread([this] { run(); });
 }
@@ -29,6 +43,8 @@ Signals::~Signals() {
   const std::uint64_t one = 1;
   if (write(quit_fd_, &one, sizeof one) != sizeof one) std::abort();
   thread_.join();
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, SIG_DFL);
+  close(signals_pipe);
   close(quit_fd_);
   close(signals_fd_);
 }
@@ -44,9 +60,8 @@ void Signals::run() {
   for (;;) {
     if (poll(fds, 2, -1) < 0) continue;
     if (fds[1].revents != 0) return;
-    signalfd_siginfo info{};
-    if (read(signals_fd_, &info, sizeof info) != sizeof info) continue;
-    const int number = static_cast<int>(info.ssi_signo);
+    unsigned char number = 0;
+    if (read(signals_fd_, &number, 1) != 1) continue;
     if (number == SIGUSR1) {
       shoot_now_ = true;
       continue;

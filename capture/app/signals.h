@@ -10,7 +10,7 @@
 
 namespace patina::app {
 
-// Make one in main() before any other thread: it blocks the three signals for all of them.
+// One at a time, in main().
 // SIGPIPE is ignored: a reader that goes away is an error of the write, not a death.
 class Signals {
  public:

@@ -102,6 +102,19 @@ TEST(Session, IsTiedToUtcAgainAfterAReboot) {
   sim.expectWhole();
 }
 
+TEST(Session, KnowsTheLightItHadBeforeARestart) {
+  Simulation sim({.faults = "[[fault]]\nat = \"65min\"\ndevice = \"key\"\nkind = \"lamp_step\"\n"
+                            "amount = -0.3\n"});
+  std::stop_source stop;
+  sim.clock.at(sim.clock.mono() + 85min, [&] { stop.request_stop(); });
+  sim.run([&](capture::SessionHooks& hooks) { hooks.stop = stop.get_token(); });
+  sim.run();
+  EXPECT_EQ(sim.decisions()[6], "captured");
+  EXPECT_EQ(sim.decisions()[7], "held");
+  EXPECT_EQ(sim.decisions()[11], "held");
+  sim.expectWhole();
+}
+
 TEST(Session, RecordsWhatASuspendMissedWithoutABurst) {
   Simulation sim({});
   sim.clock.at(sim.clock.mono() + 25min, [&] { sim.clock.suspend(44min); });
