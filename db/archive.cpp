@@ -121,9 +121,7 @@ void Archive::addDevice(const DeviceRow& device) {
 RowId Archive::beginStep(const StepRow& step) {
   State& s = *state_;
   s.checkUsable();
-  if (step.number && s.reader->step(step.run_id, *step.number))
-    throw ArchiveError(Exit::kBadData, "step " + std::to_string(*step.number) + " of run " +
-                                           step.run_id + " has its row already");
+  s.checkNewStep(step);
   StepRow row = step;
   row.id = s.next.step++;
   if (s.deferred) {  // a step nothing came of; it is kept, as it was begun
@@ -146,6 +144,7 @@ void Archive::addSteps(std::span<const StepRow> decided) {
   Change change = state_->changeOf(run_id);
   for (StepRow row : decided) {
     PATINA_CHECK(row.run_id == run_id && row.decision != Decision::kPending);
+    state_->checkNewStep(row);
     row.id = state_->next.step++;
     change.add(How::kInsert, row);
   }

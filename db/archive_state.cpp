@@ -114,6 +114,22 @@ std::string Archive::State::runOfStep(RowId step_id) {
   return known_run;
 }
 
+void Archive::State::checkNewStep(const StepRow& step) {
+  if (!step.number) return;
+  auto at = highest_number.find(step.run_id);
+  if (at == highest_number.end()) {
+    Statement& last = reader->state_->statement(Query::kLastNumber);
+    const Reading reading(last);
+    last.bind(1, step.run_id);
+    const bool any = last.step() && !last.isNull(0);
+    at = highest_number.emplace(step.run_id, any ? last.integer(0) : -1).first;
+  }
+  if (*step.number <= at->second && reader->step(step.run_id, *step.number))
+    throw ArchiveError(Exit::kBadData, "step " + std::to_string(*step.number) + " of run " +
+                                           step.run_id + " has its row already");
+  at->second = std::max(at->second, *step.number);
+}
+
 void Archive::State::insertDevice(const DeviceRow& device) {
   commitShared(*database, *writer, journalOf({}), *files, options.folder,
                [&](Change& change, CatalogueWriter&) { change.add(Change::How::kUpsert, device); });

@@ -57,6 +57,7 @@ struct Archive::State {
   std::set<std::string> devices;    // that have a row
   RowId known_step = 0;             // whose run is known_run
   std::string known_run;
+  std::map<std::string, std::int64_t> highest_number;  // of the steps of a run; -1: none
   bool broken = false;
 
   void point(CommitPoint p) const {
@@ -65,6 +66,8 @@ struct Archive::State {
   void checkUsable() const;
   Journal& journalOf(const std::string& run_id);  // empty: the shared one
   std::string runOfStep(RowId step_id);
+  // Throws when the step has its row already. Asks the catalogue only for numbers that go back.
+  void checkNewStep(const StepRow& step);
   void ensureDevice(const std::string& id, const char* kind);
   void insertDevice(const DeviceRow& device);
 
