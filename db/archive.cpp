@@ -70,6 +70,7 @@ const ArchiveReader& Archive::reader() const { return *state_->reader; }
 void Archive::beginRun(const RunRow& run, const SpecimenRow& specimen) {
   State& s = *state_;
   s.checkUsable();
+  checkRunId(run.id);
   RunRecord record{run, 0, 0};
   commitShared(*s.database, *s.writer, s.journalOf({}), *s.files, s.options.folder,
                [&](Change& change, CatalogueWriter& writer) {

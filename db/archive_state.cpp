@@ -25,7 +25,8 @@ void makeFolders(FileOps& files, const std::filesystem::path& folder) {
   checkDisk(files.syncFolder(folder.parent_path()), "syncing", folder.parent_path());
 }
 
-// A run's id is a file name.
+}  // namespace
+
 void checkRunId(const std::string& id) {
   const bool plain =
       !id.empty() && id.size() <= 128 &&
@@ -37,8 +38,6 @@ void checkRunId(const std::string& id) {
     throw ArchiveError(Exit::kUsage,
                        "'" + id + "' is no id of a run: letters, digits and - _ . only");
 }
-
-}  // namespace
 
 void apply(CatalogueWriter& writer, const Change& change) {
   for (const auto& [how, any] : change.rows)
@@ -95,7 +94,6 @@ Journal& Archive::State::journalOf(const std::string& run_id) {
     return *shared_journal;
   }
   if (!run_journal || run_journal->name() != run_id) {
-    checkRunId(run_id);
     run_journal = std::make_unique<Journal>(*files, options.folder, run_id);
   }
   return *run_journal;

@@ -38,6 +38,8 @@ void commitShared(Database& database, CatalogueWriter& writer, Journal& shared, 
                   const std::filesystem::path& archive,
                   const std::function<void(Change&, CatalogueWriter&)>& fill);
 
+void checkRunId(const std::string& id);  // it is a file name
+
 struct NextIds {
   RowId step = 1, shot = 1, frame = 1, reading = 1, light_check = 1, event = 1;
 };

@@ -2,8 +2,6 @@
 // Every table of a catalogue as text, one line a row.
 #pragma once
 
-#include <sqlite3.h>
-
 #include <string>
 #include <vector>
 
@@ -13,24 +11,16 @@ namespace patina::db::testing {
 
 inline std::vector<std::string> dumpOf(const std::filesystem::path& archive) {
   Database database(archive / "catalog.sqlite", Database::Access::kWrite, realFileOps());
-  std::vector<std::string> tables, lines;
-  {
-    Statement names(database, "SELECT name FROM sqlite_schema WHERE type = 'table' ORDER BY name");
-    while (names.step()) tables.emplace_back(names.text(0));
-  }
-  for (const auto& table : tables) {
-    sqlite3_stmt* rows = nullptr;
-    const std::string sql = "SELECT * FROM " + table + " ORDER BY 1, 2";
-    sqlite3_prepare_v2(database.handle(), sql.c_str(), -1, &rows, nullptr);
-    while (sqlite3_step(rows) == SQLITE_ROW) {
-      std::string line = table;
-      for (int column = 0; column < sqlite3_column_count(rows); ++column) {
-        const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(rows, column));
-        line += "|" + (text ? std::string(text) : "NULL");
-      }
-      lines.push_back(line);
-    }
-    sqlite3_finalize(rows);
+  std::vector<std::string> selects, lines;
+  Statement tables(database,
+                   "SELECT 'SELECT ''' || t.name || ''' || ' || group_concat('''|'' || quote(' || "
+                   "c.name || ')', ' || ') || ' FROM ' || t.name || ' ORDER BY 1' FROM "
+                   "sqlite_schema t JOIN pragma_table_info(t.name) c WHERE t.type = 'table' "
+                   "GROUP BY t.name ORDER BY t.name");
+  while (tables.step()) selects.emplace_back(tables.text(0));
+  for (const auto& sql : selects) {
+    Statement rows(database, sql);
+    while (rows.step()) lines.emplace_back(rows.text(0));
   }
   return lines;
 }

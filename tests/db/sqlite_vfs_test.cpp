@@ -40,10 +40,11 @@ class SqliteVfsTest : public ::testing::Test {
   }
   TempFolder folder_ = TempFolder::inMemory();
   std::vector<std::pair<Call, std::filesystem::path>> calls_;
+  Call failing_ = Call::kSync;
   int answer_ = 0;
   HookedDisk disk_{[this](Call call, const auto& path) {
     calls_.emplace_back(call, path);
-    return call == Call::kSync || call == Call::kWrite ? answer_ : 0;
+    return call == failing_ ? answer_ : 0;
   }};
   Database database_{folder_ / "x.sqlite", Database::Access::kCreate, disk_};
 };
@@ -62,7 +63,8 @@ TEST_F(SqliteVfsTest, ACheckpointPassesTheSeamToo) {
   database_.run("INSERT INTO t VALUES(1, 'x')");
   calls_.clear();
   database_.run("PRAGMA wal_checkpoint(TRUNCATE)");
-  EXPECT_THAT(callsOn("x.sqlite"), ::testing::HasSubstr("write sync "));
+  EXPECT_THAT(callsOn("x.sqlite"), ::testing::StartsWith("write "));
+  EXPECT_THAT(callsOn("x.sqlite"), ::testing::EndsWith("sync "));
   EXPECT_THAT(callsOn("x.sqlite-wal"), ::testing::HasSubstr("truncate "));
 }
 
@@ -96,6 +98,7 @@ TEST_F(SqliteVfsTest, AfterAFailedSyncNothingIsCommittedAnyMore) {
 }
 
 TEST_F(SqliteVfsTest, AFullDiskIsToldAndForgiven) {
+  failing_ = Call::kWrite;
   answer_ = -ENOSPC;
   EXPECT_THROW(database_.run("INSERT INTO t VALUES(1, 'x')"), DiskFull);
   answer_ = 0;
