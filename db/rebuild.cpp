@@ -24,15 +24,18 @@ void saveWhatJournalsLack(FileOps& files, const std::filesystem::path& archive) 
   if (sizeOf(file) == 0) return;
   std::shared_ptr<Database> old;
   std::vector<std::string> short_ones;
+  std::int64_t version = 0;
   try {
     old = openForReading(file);
+    version = old->number("PRAGMA user_version");
     checkVersion(*old);
     Statement marks(*old, "SELECT journal, bytes FROM journal_mark");
     while (marks.step())
       if (sizeOf(journalPath(archive, std::string(marks.text(0)))) < marks.integer(1))
         short_ones.emplace_back(marks.text(0));
-  } catch (const ArchiveError& e) {
-    if (old && std::string(e.what()).find("schema version") != std::string::npos) throw;
+  } catch (const ArchiveError&) {
+    // Damaged is why we are here; newer is not ours to replace.
+    if (version > kSchemaVersion) throw;
     return;
   }
   for (const auto& name : short_ones) rewriteJournal(files, archive, *old, name);

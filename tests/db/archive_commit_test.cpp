@@ -192,6 +192,7 @@ TEST_F(ArchiveCommitTest, AFrameWhoseSyncFailsIsWrittenAnewOnce) {
     EXPECT_EQ(e.exit(), Exit::kIo);
   }
   EXPECT_THAT(synced, SizeIs(2));
+  hook_ = {};
 }
 
 TEST_F(ArchiveCommitTest, AfterAFailedSyncOfTheJournalNothingIsPromised) {
@@ -236,6 +237,7 @@ TEST_F(ArchiveCommitTest, PutsTheBytesOnDiskBeforeTheirNameAndTheJournalBeforeTh
   };
   const Bytes bytes = frameBytes(2);
   archive.acknowledge(shot, std::vector{pendingFrame(shot, bytes)}, {}, at(0));
+  hook_ = {};
   EXPECT_EQ(order, "file rename folder journal commit ");
 }
 
