@@ -107,8 +107,10 @@ Image<float> decodeSrgb(ImageView<const std::uint16_t> encoded) {
 }
 
 Image<std::uint16_t> quantize16(ImageView<const float> linear) {
-  return mapSamples<std::uint16_t>(
-      linear, [](float v) { return static_cast<std::uint16_t>(clamped(v) * 65535.0f + 0.5f); });
+  return mapSamples<std::uint16_t>(linear, [](float v) {
+    const float shifted = clamped(v) * 65535.0f + 0.5f;  // never negative: cutting rounds
+    return static_cast<std::uint16_t>(shifted);
+  });
 }
 
 }  // namespace patina

@@ -107,7 +107,7 @@ Picture decodePicture(std::span<const std::byte> file, const PictureLimits& limi
   out.format = header.format;
   out.bits = header.bits;
   std::visit(
-      [&](auto&& samples) {
+      [&](auto samples) {
         using T = typename std::decay_t<decltype(samples.texels())>::value_type;
         if constexpr (std::is_integral_v<T>) out.saturated_fraction = shareAtTop(samples.texels());
         out.linear = linearOf(std::move(samples));

@@ -136,7 +136,7 @@ void Canvas::blend(int x, int y, Colour colour, double coverage) {
   std::uint8_t* texel = image_.view().texel(x, y).data();
   const std::uint8_t to[3] = {colour.r, colour.g, colour.b};
   for (int c = 0; c < 3; ++c)
-    texel[c] = static_cast<std::uint8_t>(texel[c] + a * (to[c] - texel[c]) + 0.5);
+    texel[c] = static_cast<std::uint8_t>(std::lround(texel[c] + a * (to[c] - texel[c])));
 }
 
 void Canvas::fill(std::span<const std::vector<Point>> contours, Colour colour) {

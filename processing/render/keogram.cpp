@@ -93,7 +93,7 @@ Image<std::uint8_t> keogramColumn(ImageView<const std::uint8_t> srgb, int x, int
   const int first = std::clamp(x - width / 2, 0, srgb.width - width);
   const auto mean =
       resizeArea(decodeSrgb(srgb.crop({first, 0, width, srgb.height})).view(), {1, srgb.height});
-  const auto one = encodeSrgb8(mean.view());
+  auto one = encodeSrgb8(mean.view());
   if (one.channels() == 3) return one;
   Image<std::uint8_t> out(1, srgb.height, 3);
   for (int y = 0; y < srgb.height; ++y)

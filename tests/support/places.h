@@ -22,5 +22,5 @@ std::optional<std::filesystem::path> testData(const std::string& name);
 #define PATINA_TEST_DATA_OR_SKIP(variable, name)                             \
   const auto variable##_found = ::patina::testing::testData(name);           \
   if (!variable##_found) GTEST_SKIP() << "PATINA_TEST_DATA is unset: " name; \
-  const std::filesystem::path variable = *variable##_found
+  const std::filesystem::path& variable = *variable##_found
 // NOLINTEND(bugprone-macro-parentheses)

@@ -25,7 +25,8 @@ TEST(EncodeSrgb8, RoundsExactlyEvenAtEveryThreshold) {
   Image<float> in(256 * 8, 1, 1);
   for (int i = 0; i < in.width(); ++i) {
     // Just below and just above each step between two codes, and values between.
-    const float step = linearFromSrgb((static_cast<float>(i / 8) + 0.5f) / 255.0f);
+    const int code = i / 8;
+    const float step = linearFromSrgb((static_cast<float>(code) + 0.5f) / 255.0f);
     const float spread[] = {0.98f, 0.999f, 0.9999f, 1.0001f, 1.001f, 1.02f, 1.1f, 0.9f};
     in.at(i, 0) = step * spread[i % 8];
   }
