@@ -237,6 +237,9 @@ CalibrationDistance distanceBetween(const CalibrationKey& frame,
            !(std::abs(toSeconds(calibration.exposure) - exposure_s) <= 0.01 * exposure_s))
     d.why_not = "exposed for " + formatExposure(calibration.exposure) + ", not " +
                 formatExposure(frame.exposure);
+  else if (calibration.kind == "flat" && !calibration.light_state.empty() &&
+           calibration.light_state != frame.light_state)
+    d.why_not = "lit by " + calibration.light_state + ", not " + frame.light_state;
   d.usable = d.why_not.empty();
   d.within_tolerance = d.usable && d.time_s <= kSecondsMax && d.temperature_k <= kKelvinMax;
   return d;

@@ -47,6 +47,7 @@ struct CalibrationKey {
   SizePx size;
   double temperature_c = 20;
   UtcTime utc;
+  std::string light_state;  // of a flat: the lamps it was lit by, whose field it holds; empty: any
 };
 struct CalibrationDistance {
   bool usable = false;  // same camera, size, iso, and exposure where it matters

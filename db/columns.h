@@ -99,8 +99,8 @@ template <class V>
 void columns(V&& v, Is<CalibrationRow> auto& r) {
   v("id", r.id), v("kind", r.kind), v("device_id", r.device_id), v("exposure_ns", r.exposure),
       v("iso", r.iso), v("width_px", r.size.width), v("height_px", r.size.height),
-      v("temperature_c", r.temperature_c), v("utc_ns", r.utc), v("sha256", r.sha256),
-      v("value_json", r.value_json);
+      v("temperature_c", r.temperature_c), v("light_state", r.light_state), v("utc_ns", r.utc),
+      v("sha256", r.sha256), v("value_json", r.value_json);
 }
 template <class V>
 void columns(V&& v, Is<FrameCalibrationRow> auto& r) {

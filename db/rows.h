@@ -118,9 +118,10 @@ struct CalibrationRow {
   double iso = 0;
   SizePx size;
   double temperature_c = 20;
-  UtcTime utc;             // when its frames were taken (middle)
-  std::string sha256;      // of products/<id>/master.* ; empty for values kept in `value_json`
-  std::string value_json;  // what a reader needs: frames used, noise, range
+  std::string light_state;  // of a flat; empty: any
+  UtcTime utc;              // when its frames were taken (middle)
+  std::string sha256;       // of products/<id>/master.* ; empty for values kept in `value_json`
+  std::string value_json;   // what a reader needs: frames used, noise, range
 };
 struct FrameCalibrationRow {
   RowId frame_id = 0, calibration_id = 0;

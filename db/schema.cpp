@@ -59,7 +59,7 @@ CREATE INDEX light_check_of_run ON light_check(run_id);
 CREATE INDEX light_check_of_shot ON light_check(shot_id);
 CREATE TABLE calibration(id INTEGER PRIMARY KEY, kind TEXT NOT NULL, device_id TEXT NOT NULL,
   exposure_ns INTEGER NOT NULL, iso REAL, width_px INTEGER NOT NULL, height_px INTEGER NOT NULL,
-  temperature_c REAL, utc_ns INTEGER NOT NULL, sha256 TEXT NOT NULL, value_json TEXT NOT NULL)
+  temperature_c REAL, light_state TEXT NOT NULL, utc_ns INTEGER NOT NULL, sha256 TEXT NOT NULL, value_json TEXT NOT NULL)
   STRICT;
 CREATE INDEX calibration_kind ON calibration(kind);
 CREATE TABLE frame_calibration(frame_id INTEGER NOT NULL REFERENCES frame(id),

@@ -9,16 +9,22 @@ patina=build/patina
 started=$SECONDS
 step=0
 
-say() { step=$((step + 1)); printf '\n[%d/7] %s\n' "$step" "$*"; }
+say() { step=$((step + 1)); printf '\n[%d/8] %s\n' "$step" "$*"; }
 run() { printf '      $ %s\n' "$(printf '%s ' "${@/#$patina/patina}")"; "$@"; }
 
 rm -rf "$out"
 mkdir -p "$out"
 archive=$out/archive
 
-say "A rig is rehearsed: one camera, two lamps, a banana, a picture under each lamp every 10 minutes for seven days.
-      The days are simulated, the code is that of a real run. On the way a lamp drifts, dies for 40 minutes, the camera
-      hangs, and the power fails: what was not yet on the disk is lost, and the run must go on by itself."
+say "First the camera is calibrated: 16 darks and 16 flats of a grey card under each of two lamps."
+run $patina rehearse examples/banana/calibration.toml --archive "$archive" --quiet
+run $patina calibrate dark latest --light off --archive "$archive" --quiet
+run $patina calibrate flat latest --light key --archive "$archive" --quiet
+run $patina calibrate flat latest --light fill --archive "$archive" --quiet
+
+say "A week is rehearsed: one camera, two lamps, a banana, a picture under each lamp every 10 minutes for seven days.
+      The days are simulated, the code is that of a real run. On the way a lamp drifts, another dies for 40 minutes, the
+      camera hangs, and the power fails: what was not yet on the disk is lost, and the run must go on by itself."
 run $patina rehearse examples/banana/plan.toml --archive "$archive"
 
 say "Is every frame there, and is it what was stored? Every hash and every row is checked."
@@ -29,10 +35,8 @@ say "The frames under one lamp become a time-varying texture (TTF): calibrated, 
 run $patina ttf build --archive "$archive" --run latest --light key --out "$out/banana.h5"
 run $patina ttf build --archive "$archive" --run latest --light key --every 4 --out "$out/banana-every4.h5"
 
-say "From it a banana skin of four times the area is quilted: blocks of surface with their whole history."
-run $patina synth quilt "$out/banana-every4.h5" --size "$($patina ttf info "$out/banana-every4.h5" --json |
-  sed -n 's/.*"width_px": *\([0-9]*\).*/\1/p;' | head -1 | awk '{print 2*$1}')x$($patina ttf info "$out/banana-every4.h5" --json |
-  sed -n 's/.*"height_px": *\([0-9]*\).*/\1/p' | head -1 | awk '{print 2*$1}')" --out "$out/quilted.h5"
+say "From it a banana skin of four times the area is quilted: blocks of surface, each with its whole history."
+run $patina synth quilt "$out/banana-every4.h5" --size 1024x880 --out "$out/quilted.h5"
 
 say "Films of both."
 run $patina film "$out/banana.h5" "$out/banana.mp4"

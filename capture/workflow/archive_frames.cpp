@@ -225,8 +225,9 @@ Match nearest(const calibration::CalibrationKey& frame, const std::vector<db::Ca
   Match best;
   for (const db::CalibrationRow& row : rows) {
     if (row.kind != kind) continue;
-    const calibration::CalibrationKey key{row.kind, row.device_id,     row.exposure, row.iso,
-                                          row.size, row.temperature_c, row.utc};
+    const calibration::CalibrationKey key{row.kind, row.device_id,  row.exposure,
+                                          row.iso,  row.size,       row.temperature_c,
+                                          row.utc,  row.light_state};
     calibration::CalibrationKey of_frame = frame;
     of_frame.kind = kind;
     const auto distance = calibration::distanceBetween(of_frame, key);
@@ -283,7 +284,8 @@ void ArchiveFrames::bindMasters() {
                                           chosen.shot.iso,
                                           chosen.frame.size,
                                           temperatures.near(chosen.frame.utc),
-                                          chosen.frame.utc};
+                                          chosen.frame.utc,
+                                          chosen.shot.light_state};
     const auto use = [&](const std::string& kind, std::optional<std::size_t>& into) {
       std::string why_not;
       const Match match = nearest(key, rows, kind, why_not);

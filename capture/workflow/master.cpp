@@ -61,6 +61,7 @@ Stack stackOfRun(const db::ArchiveReader& reader, const MasterRequest& request) 
     throw WorkflowError(Exit::kBadData, "the frames of " + run + " differ in size");
   Stack stack;
   stack.key.device_id = frames.report().camera;
+  stack.key.light_state = frames.report().light;
   stack.key.exposure = frames.report().exposure_time;
   stack.key.size = frames.report().size;
   stack.input_sha256s = frames.report().input_sha256s;
@@ -98,8 +99,8 @@ std::optional<Image<float>> darkFor(const db::ArchiveReader& reader, Stack& stac
       calibration::CalibrationKey of_flat = stack.key;
       of_flat.kind = kind;
       const auto distance = calibration::distanceBetween(
-          of_flat,
-          {row.kind, row.device_id, row.exposure, row.iso, row.size, row.temperature_c, row.utc});
+          of_flat, {row.kind, row.device_id, row.exposure, row.iso, row.size, row.temperature_c,
+                    row.utc, row.light_state});
       if (!distance.usable || !distance.within_tolerance) continue;
       if (best != nullptr && std::abs(distance.time_s) >= best_time) continue;
       best = &row;
@@ -143,6 +144,7 @@ MasterOutcome makeMaster(const fs::path& archive, const MasterRequest& request, 
   Stack stack = request.run.empty() ? stackOfFolder(request, now, outcome.notes)
                                     : stackOfRun(reader, request);
   if (!request.camera.empty()) stack.key.device_id = request.camera;
+  if (request.run.empty()) stack.key.light_state = request.selection.light;
   if (stack.key.device_id.empty())
     throw WorkflowError(Exit::kUsage, "of which camera are these? Give --camera ID");
   if (request.exposure) stack.key.exposure = *request.exposure;
@@ -169,6 +171,7 @@ MasterOutcome makeMaster(const fs::path& archive, const MasterRequest& request, 
                  stack.key.iso,
                  stack.key.size,
                  stack.key.temperature_c,
+                 request.kind == "flat" ? stack.key.light_state : "",
                  stack.key.utc,
                  product.sha256,
                  values.json()};

@@ -52,7 +52,8 @@ void addKind(Verb& group, const std::string& kind, const std::string& help) {
             [o](Context& context) { calibrate(context, *o); })
       .required("SOURCE", o->source, "A folder of pictures, or a run")
       .option("--camera", r.camera, "ID", "The camera they were taken with")
-      .option("--light", r.selection.light, "STATE", "Of a run: the light state, as off")
+      .option("--light", r.selection.light, "STATE",
+              "The light state: of a run, which frames; of a flat, the lamps whose field it holds")
       .take(
           "--exposure", "N",
           [o](const std::string& text) { o->request.selection.exposure = std::stoi(text); },
