@@ -18,8 +18,8 @@ namespace patina::workflow {
 // Which frames. Empty fields: the only one there is; where a run has several, the choice is
 // refused with the ones there are.
 struct FrameSelection {
-  std::string camera, light;
-  std::optional<int> exposure;
+  std::string camera{}, light{};
+  std::optional<int> exposure{};
   int file_index = 0;    // RAW+JPEG: 0 is the raw file
   bool partial = false;  // also frames of steps that are not whole
   int every = 1;         // frame 0, every, 2*every ... of those there are

@@ -14,7 +14,7 @@
 namespace patina::workflow {
 
 struct SheetRequest {
-  ShowOptions show;
+  ShowOptions show{};
   int cells = 24;  // at most; spread evenly over the frames, first and last included
   int columns = 0;
   int cell_width_px = 220;
@@ -23,7 +23,7 @@ Image<std::uint8_t> makeSheet(const Sequence& sequence, const SheetRequest& requ
                               Progress& progress);
 
 struct KeogramRequest {
-  ShowOptions show;
+  ShowOptions show{};
   int column = -1;  // px from the left; -1: the middle
   int width_px = 3;
 };

@@ -27,11 +27,11 @@ std::vector<TtfEntry> listTtfs(const db::ArchiveReader& reader);           // ol
 TtfEntry findTtf(const db::ArchiveReader& reader, const std::string& id);  // prefix or "latest"
 
 struct TtfQuery {
-  std::vector<std::string> words;  // each in any of the text fields, whatever its case
-  std::string process, specimen, light, licence;  // parts of them
+  std::vector<std::string> words{};  // each in any of the text fields, whatever its case
+  std::string process{}, specimen{}, light{}, licence{};  // parts of them
   std::int64_t frames_least = 0;
-  std::optional<Nanoseconds> interval_most, duration_least;
-  std::optional<double> humidity_least, humidity_most;
+  std::optional<Nanoseconds> interval_most{}, duration_least{};
+  std::optional<double> humidity_least{}, humidity_most{};
 };
 std::vector<TtfEntry> searchTtfs(const db::ArchiveReader& reader, const TtfQuery& query);
 

@@ -16,12 +16,14 @@ void film(Context& context, const ShowingOptions& options, double rate) {
   request.frames_per_second = rate;
   const workflow::FilmOutcome outcome =
       workflow::makeFilm(sequence, request, options.out, context.progress);
+  char length[24];
+  std::snprintf(length, sizeof length, "%.1f s", toSeconds(outcome.length));
   context.out.asList();
   context.out.add(std::move(Item()
                                 .set("path", options.out.c_str())
                                 .set("frames", outcome.frames)
                                 .set("frames_per_second", Value{outcome.frames_per_second})
-                                .set("length_ns", outcome.length)
+                                .set("length_ns", Value{outcome.length.count()}, length)
                                 .set("width_px", outcome.size.width)
                                 .set("height_px", outcome.size.height)
                                 .set("gain", Value{outcome.gain})));

@@ -25,8 +25,8 @@ class PlanCheck : public ::testing::Test {
 };
 
 TEST_F(PlanCheck, CountsStepsAndShots) {
-  const JsonAnswer answer = answerOf(
-      runPatina({"plan", "check", sourceFolder() / "examples/quick/plan.toml", "--json"}));
+  const JsonAnswer answer =
+      answerOf(runPatina({"plan", "check", sourceFolder() / "examples/quick/plan.toml", "--json"}));
   EXPECT_EQ(answer.number("/items/0/steps"), 12);
   EXPECT_EQ(answer.number("/items/0/shots"), 12);
   EXPECT_EQ(answer.size("/items/0/warnings"), 0);

@@ -51,7 +51,7 @@ struct MadeShot {
   std::string camera = "cam0", light = "key";
   int exposure = 0, level = 100;
   SizePx size{24, 16};
-  std::vector<db::LightCheckRow> checks;
+  std::vector<db::LightCheckRow> checks{};
 };
 struct MadeStep {
   std::vector<MadeShot> shots;
