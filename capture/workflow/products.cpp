@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/workflow/products.h"
 
+#include <algorithm>
 #include <set>
 
 #include "capture/workflow/failure.h"
@@ -69,7 +70,10 @@ db::ProductRow findProduct(const db::ArchiveReader& reader, const std::string& k
                            const std::string& id) {
   const std::vector<db::ProductRow> rows = reader.products(kind);
   if (rows.empty()) throw WorkflowError(Exit::kUsage, "the archive holds no " + kind + " yet");
-  if (id == "latest") return rows.back();
+  if (id == "latest")
+    return *std::max_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
+      return a.created_utc < b.created_utc;
+    });
   std::vector<const db::ProductRow*> found;
   for (const db::ProductRow& row : rows) {
     if (row.id == id) return row;

@@ -22,9 +22,11 @@ class Products : public ::testing::Test {
     Making making;
     making.command = "patina sheet";
     making.version = "0";
-    return recordProduct(folder_.path(), file, "sheet", "", making, {}, testing::now());
+    return recordProduct(folder_.path(), file, "sheet", "", making, {},
+                         testing::now() + std::chrono::minutes(++added_));
   }
   TempFolder folder_ = TempFolder::inMemory();
+  int added_ = 0;
 };
 
 TEST_F(Products, CountTheirIdsUp) {
