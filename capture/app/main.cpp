@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `patina`: finds the verb, runs it, and turns whatever happened into one line and an exit code.
+#include <malloc.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -63,7 +64,17 @@ int runVerb(CommandLine& line, int argc, char** argv, Signals& signals) {
   return context.exit_code;
 }
 
+// Pictures of a few megabytes come and go by the thousand. Given back to the system each time,
+// their pages cost more to fault in again than the work on them: half of a texture's build.
+void keepFreedMemory() {
+  constexpr int kPictureBytesMax = 32 << 20, kKeptBytes = 512 << 20;
+  mallopt(M_MMAP_THRESHOLD, kPictureBytesMax);
+  mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+  mallopt(M_ARENA_MAX, 2);
+}
+
 int run(int argc, char** argv) {
+  keepFreedMemory();
   Signals signals;
   CommandLine line;
   addVerbs(line);
