@@ -82,7 +82,7 @@ void OverlapSearch::correlateAtLeast(int channels) {
           norm += static_cast<double>(v) * v;
         }
     };
-    spectra_.forward(fill, channel_[c]);
+    spectra_.forward(height, fill, channel_[c]);
     channel_norm_[c] = std::sqrt(norm);
   });
   double norm = 0;
@@ -95,7 +95,7 @@ void OverlapSearch::correlateAtLeast(int channels) {
         norm += static_cast<double>(e) * e;
       }
   };
-  spectra_.forward(fill, energy_);
+  spectra_.forward(height, fill, energy_);
   energy_norm_ = std::sqrt(norm);
   correlated_ = channels;
 }
@@ -115,7 +115,7 @@ double OverlapSearch::lowerBounds(const Overlap& overlap) {
         }
       });
     };
-    spectra_.forward(fill, target_[c]);
+    spectra_.forward(block_.height, fill, target_[c]);
   });
 
   sum_.resize(energy_.size());

@@ -3,6 +3,7 @@
 
 #include <fftw3.h>
 
+#include <algorithm>
 #include <mutex>
 
 #include "processing/image/failure.h"
@@ -33,7 +34,7 @@ fftwf_complex* raw(Spectra::Spectrum& bins) {
 }  // namespace
 
 struct Spectra::Plans {
-  fftwf_plan forward = nullptr, inverse = nullptr;
+  fftwf_plan row = nullptr, columns = nullptr, inverse = nullptr;
   std::size_t plane = 0, bins = 0;
 };
 
@@ -47,25 +48,37 @@ Spectra::Spectra(SizePx size)
   Spectrum bins(p.bins);
   const std::lock_guard<std::mutex> lock(plannerMutex());
   // Unaligned: any vector will do, and the same code runs wherever it lies.
-  p.forward = fftwf_plan_dft_r2c_2d(padded_.height, padded_.width, plane.data(), raw(bins),
-                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
+  const int width = padded_.width / 2 + 1;
+  p.row =
+      fftwf_plan_dft_r2c_1d(padded_.width, plane.data(), raw(bins), FFTW_ESTIMATE | FFTW_UNALIGNED);
+  p.columns =
+      fftwf_plan_many_dft(1, &padded_.height, width, raw(bins), nullptr, width, 1, raw(bins),
+                          nullptr, width, 1, FFTW_FORWARD, FFTW_ESTIMATE | FFTW_UNALIGNED);
   p.inverse = fftwf_plan_dft_c2r_2d(padded_.height, padded_.width, raw(bins), plane.data(),
                                     FFTW_ESTIMATE | FFTW_UNALIGNED);
-  PATINA_CHECK(p.forward && p.inverse);
+  PATINA_CHECK(p.row && p.columns && p.inverse);
 }
 
 Spectra::~Spectra() {
   const std::lock_guard<std::mutex> lock(plannerMutex());
-  fftwf_destroy_plan(plans_->forward);
+  fftwf_destroy_plan(plans_->row);
+  fftwf_destroy_plan(plans_->columns);
   fftwf_destroy_plan(plans_->inverse);
 }
 
-void Spectra::forward(const std::function<void(float*)>& fill, Spectrum& out) const {
+void Spectra::forward(int rows, const std::function<void(float*)>& fill, Spectrum& out) const {
+  PATINA_CHECK(rows >= 1 && rows <= padded_.height);
+  const std::size_t width = padded_.width / 2 + 1;
   thread_local std::vector<float> plane;
-  plane.assign(plans_->plane, 0.0f);
+  plane.assign(static_cast<std::size_t>(rows) * padded_.width, 0.0f);
   fill(plane.data());
   out.resize(plans_->bins);
-  fftwf_execute_dft_r2c(plans_->forward, plane.data(), raw(out));
+  for (int y = 0; y < rows; ++y)
+    fftwf_execute_dft_r2c(plans_->row, plane.data() + static_cast<std::size_t>(y) * padded_.width,
+                          raw(out) + y * width);
+  std::fill(out.begin() + static_cast<std::ptrdiff_t>(rows * width), out.end(),
+            std::complex<float>());
+  fftwf_execute_dft(plans_->columns, raw(out), raw(out));
 }
 
 void Spectra::inverse(Spectrum& spectrum, std::vector<float>& out) const {

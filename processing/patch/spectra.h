@@ -23,8 +23,9 @@ class Spectra {
   Spectra& operator=(const Spectra&) = delete;
 
   SizePx padded() const { return padded_; }
-  // `fill` gets a zeroed plane [height][width] of the padded size. Both reuse what `out` holds.
-  void forward(const std::function<void(float* plane)>& fill, Spectrum& out) const;
+  // `fill` gets a zeroed plane [rows][width] of the padded width; rows below are zero (and cost
+  // half). Both reuse what `out` holds.
+  void forward(int rows, const std::function<void(float* plane)>& fill, Spectrum& out) const;
   // The plane of a spectrum, scaled back; the spectrum is destroyed.
   void inverse(Spectrum& spectrum, std::vector<float>& out) const;
 

@@ -17,17 +17,19 @@ namespace patina::quilting {
 
 struct QuiltingOptions {
   SizePx size{1024, 1024};                // of the result
-  SizePx block_px{64, 64};                // width x height; tall for growing things
-  int overlap_px = 0;                     // 0: a quarter of the block's smaller side
+  SizePx block_px{0, 0};                  // width x height, tall for growing things; 0x0: a square
+                                          // of a sixth of the source's smaller side, 24 to 160
+  int overlap_px = 0;                     // 0: two fifths of the block's smaller side
   int svd_rank = 15;                      // at most; or fewer where error allows
   std::optional<double> rank_error = {};  // relative RMS: rank chosen by error instead
-  double tolerance = 0.1;                 // candidates within (1 + tolerance) of the best
+  double tolerance = 0.2;                 // candidates within (1 + tolerance) of the best
   bool tile = false;                      // the result wraps around, left to right, top to bottom
-  int verbatim_blocks = 4;                // that may go on copying one place of the source, [1,1e6]
-  double repetition_penalty = 1.0;        // on source regions shown nearby; 0: none
+  double verbatim = 0.7;            // share of the source's sides that one copy may span; [0,1]
+  double repetition_penalty = 1.0;  // on source regions shown nearby; 0: none
   std::uint64_t seed = 1;
-  void check(SizePx source) const;  // throws ProcessingError: field, value, range
-  int overlap() const;              // px, the default resolved
+  void check(SizePx source) const;       // throws ProcessingError: field, value, range
+  SizePx blockFor(SizePx source) const;  // the defaults resolved
+  int overlapFor(SizePx block) const;
 };
 
 // Which source texel each result texel copies: int32 (x, y). The whole result follows from it.

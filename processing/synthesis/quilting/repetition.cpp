@@ -15,9 +15,10 @@ namespace {
 constexpr float kForbidden = std::numeric_limits<float>::infinity();
 constexpr double kReachBlocks = 5;   // repetitions farther apart are not looked at
 constexpr double kSideBySide = 2.0;  // blocks: closer is side by side
-constexpr double kSideBySidePenalty = 16;
-constexpr double kFadeBlocks = 2.5;  // farther apart the penalty falls with distance
-constexpr double kSameCopy = 0.2;    // blocks: closer is no repetition, but the same copy going on
+constexpr double kSideBySidePenalty = 5;
+constexpr double kFarPenalty = 0.3;  // farther apart, falling with distance
+constexpr double kFadeBlocks = 2.5;
+constexpr double kSameCopy = 0.2;  // blocks: closer is no repetition, but the same copy going on
 
 // The displacement between two places of a result that may wrap around: the shortest.
 int shortest(int distance, int wrap) {
@@ -31,18 +32,18 @@ int shortest(int distance, int wrap) {
 }  // namespace
 
 RepetitionGuard::RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, double penalty,
-                                 int verbatim_blocks)
+                                 SizePx verbatim)
     : corners_(corners),
       block_(block),
       wrap_(wrap),
       penalty_(penalty),
-      verbatim_blocks_(verbatim_blocks),
+      verbatim_(verbatim),
       penalties_(static_cast<int>((kReachBlocks + 1) * block.width) + 1,
                  static_cast<int>((kReachBlocks + 1) * block.height) + 1, 1) {
   for (int dy = 0; dy < penalties_.height(); ++dy)
     for (int dx = 0; dx < penalties_.width(); ++dx) {
       const double d = std::hypot(dx / double(block.width), dy / double(block.height));
-      const double faded = std::exp(-d * d / (kFadeBlocks * kFadeBlocks));
+      const double faded = kFarPenalty * std::exp(-d * d / (kFadeBlocks * kFadeBlocks));
       penalties_.at(dx, dy) = static_cast<float>(
           d < kSameCopy ? -1 : penalty_ * (d < kSideBySide ? kSideBySidePenalty : faded));
     }
@@ -52,31 +53,50 @@ RepetitionGuard::Apart RepetitionGuard::apart(int x, int y, const PlacedBlock& o
   return {shortest(x - other.x, wrap_.width), shortest(y - other.y, wrap_.height)};
 }
 
+bool RepetitionGuard::isTouching(Apart a) const {
+  return std::abs(a.x) <= block_.width && std::abs(a.y) <= block_.height;
+}
+
+// Of a patch and a block at (x,y) beside it; where the result wraps, on the block's side.
+RectPx RepetitionGuard::boundsWith(int patch, int x, int y) const {
+  const RectPx& p = patches_[patch];
+  const int px = x - shortest(x - p.x, wrap_.width), py = y - shortest(y - p.y, wrap_.height);
+  const int x0 = std::min(x, px), y0 = std::min(y, py);
+  return {x0, y0, std::max(x + block_.width, px + p.width) - x0,
+          std::max(y + block_.height, py + p.height) - y0};
+}
+
 Image<float> RepetitionGuard::weights(int x, int y) const {
-  std::vector<std::pair<const PlacedBlock*, Apart>> near;
+  struct Near {
+    const PlacedBlock* block;
+    Apart apart;
+    bool copied_enough;
+  };
+  std::vector<Near> near;
   for (const PlacedBlock& block : blocks_) {
     const Apart a = apart(x, y, block);
-    if (std::abs(a.x) <= kReachBlocks * block_.width &&
-        std::abs(a.y) <= kReachBlocks * block_.height)
-      near.push_back({&block, a});
+    if (std::abs(a.x) > kReachBlocks * block_.width || std::abs(a.y) > kReachBlocks * block_.height)
+      continue;
+    const RectPx bounds = boundsWith(block.patch, x, y);
+    near.push_back({&block, a, bounds.width > verbatim_.width || bounds.height > verbatim_.height});
   }
   Image<float> weights(corners_.width, corners_.height, 1, 1.0f);
   if (!(penalty_ > 0)) return weights;
   const ImageView<float> view = weights.view();
   tbb::parallel_for(0, corners_.height, [&](int corner_y) {
-    for (const auto& [block, a] : near) stampRow(*block, a, corner_y, view.row(corner_y));
+    for (const Near& n : near)
+      stampRow(*n.block, n.apart, n.copied_enough, corner_y, view.row(corner_y));
   });
   return weights;
 }
 
 // A corner shows, `a` away from where `block` does, the part of the source that both share.
-void RepetitionGuard::stampRow(const PlacedBlock& block, Apart a, int corner_y,
+void RepetitionGuard::stampRow(const PlacedBlock& block, Apart a, bool copied_enough, int corner_y,
                                float* weights) const {
   const int dy = corner_y - block.source_y;
   if (std::abs(dy) >= block_.height) return;
   const float share_y = 1 - std::abs(dy) / static_cast<float>(block_.height);
   const float* penalties = penalties_.view().row(std::abs(a.y - dy));
-  const bool copied_enough = patch_blocks_[block.patch] >= verbatim_blocks_;
   const int x0 = std::max(0, block.source_x - block_.width + 1),
             x1 = std::min(corners_.width, block.source_x + block_.width);
   for (int corner_x = x0; corner_x < x1; ++corner_x) {
@@ -91,18 +111,18 @@ void RepetitionGuard::stampRow(const PlacedBlock& block, Apart a, int corner_y,
 }
 
 void RepetitionGuard::place(int x, int y, int source_x, int source_y) {
-  PlacedBlock placed{x, y, source_x, source_y, static_cast<int>(patch_blocks_.size())};
+  PlacedBlock placed{x, y, source_x, source_y, static_cast<int>(patches_.size())};
   for (const PlacedBlock& other : blocks_) {
     const Apart a = apart(x, y, other);
-    const bool touches = std::abs(a.x) <= block_.width && std::abs(a.y) <= block_.height;
     const int shift_x = std::abs(a.x - (source_x - other.source_x)),
               shift_y = std::abs(a.y - (source_y - other.source_y));
-    if (touches && shift_x < penalties_.width() && shift_y < penalties_.height() &&
+    if (isTouching(a) && shift_x < penalties_.width() && shift_y < penalties_.height() &&
         penalties_.at(shift_x, shift_y) < 0)
       placed.patch = other.patch;
   }
-  if (placed.patch == static_cast<int>(patch_blocks_.size())) patch_blocks_.push_back(0);
-  ++patch_blocks_[placed.patch];
+  if (placed.patch == static_cast<int>(patches_.size()))
+    patches_.push_back({x, y, block_.width, block_.height});
+  patches_[placed.patch] = boundsWith(placed.patch, x, y);
   blocks_.push_back(placed);
 }
 

@@ -17,9 +17,9 @@ struct PlacedBlock {
 
 class RepetitionGuard {
  public:
-  // `wrap`: size of a result that wraps around, else 0x0. Corners: see OverlapSearch. `penalty` 0
-  // allows everything.
-  RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, double penalty, int verbatim_blocks);
+  // `wrap`: size of a result that wraps around, else 0x0. Corners: see OverlapSearch. `verbatim`:
+  // what one copy may span of the result, at most. `penalty` 0 allows everything.
+  RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, double penalty, SizePx verbatim);
 
   // Weight >= 1 of each source corner for a block at (x,y) of the result. Infinity: would go on
   // with a copy that is long enough.
@@ -32,14 +32,17 @@ class RepetitionGuard {
     int x, y;
   };
   Apart apart(int x, int y, const PlacedBlock& other) const;
-  void stampRow(const PlacedBlock& block, Apart a, int corner_y, float* weights) const;
+  bool isTouching(Apart a) const;
+  RectPx boundsWith(int patch, int x, int y) const;
+  void stampRow(const PlacedBlock& block, Apart a, bool copied_enough, int corner_y,
+                float* weights) const;
 
   SizePx corners_, block_, wrap_;
   double penalty_;
-  int verbatim_blocks_;
+  SizePx verbatim_;
   std::vector<PlacedBlock> blocks_;
-  std::vector<int> patch_blocks_;  // how many blocks a patch has
-  Image<float> penalties_;         // by displacement |dx|,|dy| of two showings; negative: one copy
+  std::vector<RectPx> patches_;  // their bounds in the result
+  Image<float> penalties_;       // by displacement |dx|,|dy| of two showings; negative: one copy
 };
 
 }  // namespace patina::quilting

@@ -5,7 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include "processing/image/encoding.h"
 #include "processing/synthesis/quilting/seam_statistics.h"
@@ -16,6 +16,7 @@ namespace {
 constexpr int kTileTexels = 128;               // a TTF's chunk
 constexpr std::int64_t kTileBytes = 96 << 20;  // of all frames of a tile
 constexpr int kFramesMeasured = 8;
+constexpr double kContrastFloor = 0.2;  // of the strongest frame's
 
 // What a stored sample looks like: sRGB of its linear value.
 std::vector<float> displayTable(double scale) {
@@ -25,11 +26,41 @@ std::vector<float> displayTable(double scale) {
   return table;
 }
 
+// One over each frame's contrast: a seam is seen against what else the frame shows, so a faint
+// early frame counts as much as a strong late one. Frames without contrast are held down (noise).
+std::vector<float> frameWeights(const ttf::TtfReader& input, const std::vector<float>& display) {
+  std::vector<double> contrast;
+  for (int t = 0; t < input.info().frames; ++t) {
+    const Image<std::uint16_t> frame = input.frame(t);
+    const int channels = frame.channels();
+    double variance = 0;
+    for (int c = 0; c < channels; ++c) {
+      double sum = 0, squares = 0;
+      for (std::size_t i = c; i < frame.texels().size(); i += channels) {
+        const double v = display[frame.texels()[i]];
+        sum += v;
+        squares += v * v;
+      }
+      const double n = static_cast<double>(frame.texels().size()) / channels;
+      variance += std::max(0.0, squares / n - sum / n * sum / n);
+    }
+    contrast.push_back(std::sqrt(variance));
+  }
+  const double strongest = *std::max_element(contrast.begin(), contrast.end());
+  std::vector<float> weights;
+  for (double c : contrast)
+    weights.push_back(static_cast<float>(
+        strongest > 0 ? (1 + kContrastFloor) * strongest / (c + kContrastFloor * strongest) : 1));
+  return weights;
+}
+
 // Rows of T, tile by tile as they lie in the file: [frame][channel] of one texel.
 class TileRows {
  public:
   TileRows(const ttf::TtfReader& input)
-      : input_(input), display_(displayTable(input.info().scale)) {
+      : input_(input),
+        display_(displayTable(input.info().scale)),
+        weights_(frameWeights(input, display_)) {
     const ttf::TtfInfo& info = input.info();
     const std::int64_t row_bytes =
         static_cast<std::int64_t>(info.frames) * kTileTexels * info.channels * 2;
@@ -76,13 +107,13 @@ class TileRows {
             samples_.data() + (t * tile_count_ + first + range.begin()) * channels;
         for (std::int64_t i = range.begin(); i < range.end(); ++i)
           for (int c = 0; c < channels; ++c)
-            rows[(i * frames + t) * channels + c] = display_[*in++];
+            rows[(i * frames + t) * channels + c] = weights_[t] * display_[*in++];
       }
     });
   }
 
   const ttf::TtfReader& input_;
-  std::vector<float> display_;
+  std::vector<float> display_, weights_;
   std::vector<RectPx> tiles_;
   std::vector<std::int32_t> texels_;
   std::vector<std::uint16_t> samples_;

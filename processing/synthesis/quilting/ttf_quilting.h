@@ -13,11 +13,13 @@
 namespace patina::quilting {
 
 struct TtfFeatures {
-  Image<float> features;  // [h][w][rank]: weighted coefficients of each texel's whole history
-  double relative_error = 0;
+  Image<float> features;      // [h][w][rank]: weighted coefficients of each texel's whole history
+  double relative_error = 0;  // of T so weighted
 };
 // Time and colour together are the columns of T (equation 4): n = frames * channels. Samples are
-// taken as displayed (sRGB), since a seam is seen there.
+// taken as displayed (sRGB), since a seam is seen there, and each frame is weighted by (1 + q) S /
+// (s + q S), s its contrast (standard deviation), S the greatest, q = 0.2: a seam is seen against
+// what else its frame shows, so that faint frames count too.
 TtfFeatures ttfFeatures(const ttf::TtfReader& input, int rank_max, std::optional<double> rank_error,
                         Progress& progress);
 

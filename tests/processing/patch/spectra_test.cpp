@@ -23,7 +23,8 @@ TEST(Spectra, ComesBackToThePlaneItCameFrom) {
   for (std::size_t i = 0; i < plane.size(); ++i)
     plane[i] = static_cast<float>(uniform(hashSeed(3, i)));
   Spectra::Spectrum bins;
-  spectra.forward([&](float* p) { std::copy(plane.begin(), plane.end(), p); }, bins);
+  spectra.forward(
+      height, [&](float* p) { std::copy(plane.begin(), plane.end(), p); }, bins);
   double sum = 0;
   for (float v : plane) sum += v;
   EXPECT_NEAR(bins[0].real(), sum, 1e-3);
@@ -35,8 +36,10 @@ TEST(Spectra, ComesBackToThePlaneItCameFrom) {
 TEST(Spectra, StartsEachPlaneFromZero) {
   const Spectra spectra({8, 8});
   Spectra::Spectrum bins;
-  spectra.forward([](float* p) { std::fill_n(p, 64, 1.0f); }, bins);
-  spectra.forward([](float*) {}, bins);
+  spectra.forward(
+      8, [](float* p) { std::fill_n(p, 64, 1.0f); }, bins);
+  spectra.forward(
+      8, [](float*) {}, bins);
   for (const auto& v : bins) EXPECT_EQ(std::abs(v), 0);
 }
 
