@@ -72,6 +72,7 @@ void Archive::beginRun(const RunRow& run, const SpecimenRow& specimen) {
   s.checkUsable();
   checkRunId(run.id);
   RunRecord record{run, 0, 0};
+  record.row.number = s.database->number("SELECT max(number) FROM run") + 1;
   commitShared(*s.database, *s.writer, s.journalOf({}), *s.files, s.options.folder,
                [&](Change& change, CatalogueWriter& writer) {
                  SpecimenRow of = specimen;

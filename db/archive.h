@@ -75,7 +75,7 @@ class ArchiveReader {
   ArchiveReader(ArchiveReader&&) noexcept;
 
   const std::filesystem::path& folder() const;
-  std::vector<RunRow> runs() const;                              // newest last
+  std::vector<RunRow> runs() const;                              // in the order they were added
   RunRow findRun(const std::string& id_prefix_or_latest) const;  // kUsage with the choices
   std::vector<StepRow> steps(const std::string& run_id, std::optional<Decision> = {}) const;
   std::optional<StepRow> step(const std::string& run_id, std::int64_t number) const;

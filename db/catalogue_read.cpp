@@ -34,7 +34,7 @@ std::vector<FrameRow> framesOf(Statement& statement) {
 }
 
 std::vector<RunRow> runsOf(Statement& statement) {
-  constexpr int kRunColumns = 13;
+  constexpr int kRunColumns = 14;
   std::vector<RunRow> runs;
   while (statement.step()) {
     RunRow run = readRow<RunRecord>(statement).row;
@@ -73,7 +73,7 @@ std::string sqlOfFrames(Query query) {
 std::string sqlOf(Query query) {
   switch (query) {
     case Query::kRuns:
-      return selectFrom(runList(), kRunTables) + "ORDER BY run.t0_utc_ns, run.id";
+      return selectFrom(runList(), kRunTables) + "ORDER BY run.number";
     case Query::kRunsByPrefix:
       return selectFrom(runList(), kRunTables) +
              "WHERE run.id >= ?1 AND run.id < ?1 || char(1114111) ORDER BY run.id";

@@ -57,7 +57,7 @@ void columns(V&& v, Is<RunRecord> auto& r) {
       v("plan_toml", r.row.plan_toml), v("plan_sha256", r.row.plan_sha256),
       v("rig_toml", r.row.rig_toml), v("boot_id", r.row.boot_id), v("t0_utc_ns", r.row.t0_utc),
       v("t0_boot_ns", r.row.t0_boot), v("seed", r.row.seed), v("state", r.row.state),
-      v("interval_ns", r.row.interval), v("duration_ns", r.row.duration);
+      v("interval_ns", r.row.interval), v("duration_ns", r.row.duration), v("number", r.row.number);
 }
 template <class V>
 void columns(V&& v, Is<StepRow> auto& r) {

@@ -27,6 +27,7 @@ struct RunRow {
   std::string state;                   // "running" "finished" "stopped" "aborted" "imported"
   Nanoseconds interval{}, duration{};  // zero when unknown (import by times)
   std::string rig;                     // its name in the rig file
+  std::int64_t number = 0;             // in the order they were added; the archive gives it
 };
 struct DeviceRow {
   std::string id;    // as the rig calls it: "cam0"

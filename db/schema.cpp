@@ -23,7 +23,7 @@ CREATE TABLE run(id TEXT PRIMARY KEY NOT NULL, specimen_id INTEGER NOT NULL REFE
   rig_id INTEGER NOT NULL REFERENCES rig(id), plan_toml TEXT NOT NULL, plan_sha256 TEXT NOT NULL,
   rig_toml TEXT NOT NULL, boot_id TEXT NOT NULL, t0_utc_ns INTEGER NOT NULL,
   t0_boot_ns INTEGER NOT NULL, seed INTEGER NOT NULL, state TEXT NOT NULL,
-  interval_ns INTEGER NOT NULL, duration_ns INTEGER NOT NULL) STRICT;
+  interval_ns INTEGER NOT NULL, duration_ns INTEGER NOT NULL, number INTEGER NOT NULL) STRICT;
 CREATE TABLE step(id INTEGER PRIMARY KEY, run_id TEXT NOT NULL REFERENCES run(id), number INTEGER,
   due_utc_ns INTEGER NOT NULL, decision TEXT NOT NULL CHECK(decision IN
   ('pending', 'captured', 'skipped', 'missed', 'failed', 'held')), reason TEXT NOT NULL,

@@ -175,6 +175,20 @@ TEST_F(ArchiveTest, EveryKindOfRowIsFoundAgainByItsRun) {
   EXPECT_THAT(verify(path_, progress_).problems, IsEmpty());
 }
 
+TEST_F(ArchiveTest, LatestIsTheRunAddedLastHoweverOldItsPicturesAre) {
+  {
+    Archive archive(optionsFor(path_));
+    beginRun(archive);
+    RunRow older = archive.reader().findRun(kRunId);
+    older.id = "19990101T000000Z-older";
+    older.t0_utc -= std::chrono::hours(24 * 365);
+    archive.beginRun(older, {0, "older", "", "", ""});
+    EXPECT_EQ(archive.reader().findRun("latest").id, older.id);
+  }
+  rebuild(path_, progress_);
+  EXPECT_EQ(ArchiveReader(path_).findRun("latest").id, "19990101T000000Z-older");
+}
+
 TEST_F(ArchiveTest, QuarantinedBytesKeepTheirNameAndReason) {
   Archive archive(optionsFor(path_));
   beginRun(archive);
