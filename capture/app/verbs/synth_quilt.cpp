@@ -27,19 +27,20 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   making.input_sha256s = {sha256OfFile(options.in).hex()};
   making.options.set("display_referred", workflow::isDisplayReferred(input));
   making.options.text("size", sizeText(options.quilting.size));
-  making.options.text("block", sizeText(options.quilting.block_px));
-  making.options.count("overlap", options.quilting.overlap_px);
+  const SizePx block = options.quilting.blockFor({input.width, input.height});
+  making.options.text("block", sizeText(block));
+  making.options.count("overlap", options.quilting.overlapFor(block));
   making.options.count("rank", options.quilting.svd_rank);
   if (options.quilting.rank_error)
     making.options.number("rank_error", *options.quilting.rank_error);
   making.options.number("tolerance", options.quilting.tolerance);
+  making.options.number("verbatim", options.quilting.verbatim);
+  making.options.number("repetition", options.quilting.repetition_penalty);
+  making.options.set("tile", options.quilting.tile);
   return making;
 }
 
 void quilt(Context& context, Options& options) {
-  if (options.quilting.tile)
-    throw AppError(Exit::kUnavailable,
-                   "--tile is not built yet; without it the result does not wrap around");
   options.quilting.seed = context.seed();
   if (options.rank_error > 0) options.quilting.rank_error = options.rank_error;
   const ttf::TtfReader input(options.in);
@@ -72,14 +73,19 @@ void addSynthVerbs(Verb root) {
             [o](Context& context) { quilt(context, *o); })
       .required("IN", o->in, "A texture's .h5 file")
       .option("--size", o->quilting.size, parseSize, "WxH", "Of the result, in pixels")
-      .option("--block", o->quilting.block_px, parseSize, "WxH", "Of a block; tall for what grows")
+      .option("--block", o->quilting.block_px, parseSize, "WxH",
+              "Of a block; tall for what grows (default: a sixth of the sample)")
       .option("--overlap", o->quilting.overlap_px, 0, 4096,
-              "Of neighbouring blocks, in pixels (default: a quarter of a block)")
+              "Of neighbouring blocks, in pixels (default: two fifths of a block)")
       .option("--rank", o->quilting.svd_rank, 1, 1000, "Components to compare blocks by, at most")
       .option("--rank-error", o->rank_error, 0.0, 1.0, "As many components as this error needs")
       .option("--tolerance", o->quilting.tolerance, 0.0, 10.0,
               "A block may be this much worse than the best")
-      .flag("--tile", o->quilting.tile, "A result that wraps around (comes later)")
+      .option("--verbatim", o->quilting.verbatim, 0.0, 1.0,
+              "Share of the sample's sides that one copy may span")
+      .option("--repetition", o->quilting.repetition_penalty, 0.0, 1e6,
+              "Penalty on showing one place twice close together")
+      .flag("--tile", o->quilting.tile, "A result that wraps around")
       .option("--out", o->out, "FILE.h5", "Where to")
       .demand("--size")
       .demand("--out");
