@@ -12,7 +12,7 @@ namespace patina::patch {
 namespace {
 
 constexpr int kLanes = 8;  // of a sum, fixed: the order of additions is part of the result
-constexpr std::size_t kSurvivorsFew = 512;
+constexpr std::size_t kSurvivorsFew = 1500;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Rounding of a correlation by float FFT, relative to the product of the planes' norms. FFTW's
 // error is about 2e-7 for any length; a factor of 5 is left.
