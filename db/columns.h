@@ -33,6 +33,8 @@ template <class T>
 struct OrNull {
   T& value;
 };
+template <class T>
+OrNull(T&) -> OrNull<T>;
 
 template <class T, class Row>
 concept Is = std::same_as<std::remove_const_t<T>, Row>;

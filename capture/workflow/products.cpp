@@ -28,8 +28,8 @@ std::string freeProductId(const db::ArchiveReader& reader, const std::string& ki
   std::set<std::string> taken;
   for (const db::ProductRow& row : reader.products(kind)) taken.insert(row.id);
   std::string id;
-  for (int i = 1; id.empty() || taken.contains(id); ++i)
-    id = kind + "-" + of + "-" + std::to_string(i);
+  const std::string stem = kind + "-" + of + "-";
+  for (int i = 1; id.empty() || taken.contains(id); ++i) id = stem + std::to_string(i);
   return id;
 }
 

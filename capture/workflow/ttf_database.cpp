@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "capture/workflow/facts.h"
 #include "capture/workflow/failure.h"
@@ -86,7 +87,7 @@ std::string readmeOf(const TtfEntry& entry, const std::string& licence) {
   line("duration", formatDuration(entry.duration));
   line("light", entry.light);
   if (entry.humidity_percent)
-    line("humidity", std::to_string(static_cast<int>(*entry.humidity_percent + 0.5)) + " %");
+    line("humidity", std::to_string(std::lround(*entry.humidity_percent)) + " %");
   line("from", formatUtc(entry.t0_utc));
   line("sha256", entry.sha256);
   line("licence", licence);

@@ -23,7 +23,7 @@ class OrphansTest : public ::testing::Test {
   }
   fs::path plant(std::uint64_t seed) {
     const Bytes bytes = frameBytes(seed);
-    const auto path = path_ / framePath(sha256(bytes), "jpg");
+    fs::path path = path_ / framePath(sha256(bytes), "jpg");
     fs::create_directories(path.parent_path());
     writeFileAtomically(path, bytes);
     return path;

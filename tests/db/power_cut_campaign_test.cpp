@@ -103,7 +103,7 @@ class Victim {
       // Before the first acknowledgement the catalogue may have no tables yet.
       if (mutant_ != Mutant::kNoFolderSync && judge_.count() > 0)
         problems = judge_.judgeCatalogue(archive());
-      for (std::string& problem : problems) problem = "before recovery: " + problem;
+      for (std::string& problem : problems) problem.insert(0, "before recovery: ");
       if (mutant_ == Mutant::kSynchronousNormal || then == Then::kLeave) return problems;
       { const Archive next(options(&realFileOps())); }
       for (const std::string& problem : judge_.judgeRecovered(archive()))

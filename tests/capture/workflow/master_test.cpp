@@ -14,7 +14,7 @@ using testing::TempFolder;
 
 class Masters : public ::testing::Test {
  protected:
-  MasterOutcome make(MasterRequest request) {
+  MasterOutcome make(const MasterRequest& request) {
     Progress progress;
     return makeMaster(archive_, request, testing::now(), progress);
   }
