@@ -77,7 +77,7 @@ class OldBytes {
     if (data_end > end()) {  // it was the end of the file
       size_ = 0;
       at_ = data_end;
-    } else {
+    } else if (!data.empty()) {
       std::memcpy(held_.get() + (offset - at_), data.data(), data.size());
     }
   }
