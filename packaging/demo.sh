@@ -35,8 +35,9 @@ say "The frames under one lamp become a time-varying texture (TTF): calibrated, 
 run $patina ttf build --archive "$archive" --run latest --light key --out "$out/banana.h5"
 run $patina ttf build --archive "$archive" --run latest --light key --every 4 --out "$out/banana-every4.h5"
 
-say "From it a banana skin of four times the area is quilted: blocks of surface, each with its whole history."
-run $patina synth quilt "$out/banana-every4.h5" --size 1024x880 --out "$out/quilted.h5"
+say "From it a banana skin of four times the area is quilted: blocks of surface, each with its whole history.
+      What is left of the steps across seams is spread over 12 pixels beside them, the same for all frames."
+run $patina synth quilt "$out/banana-every4.h5" --size 1024x880 --blend 12 --out "$out/quilted.h5"
 
 say "Films of both."
 run $patina film "$out/banana.h5" "$out/banana.mp4"

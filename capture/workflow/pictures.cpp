@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "capture/workflow/failure.h"
 #include "processing/render/axis.h"
@@ -41,7 +42,7 @@ struct Shown {
 
 // The frames of these indices (rising), as displayed.
 std::vector<Shown> showFrames(const Sequence& sequence, const std::vector<std::int64_t>& indices,
-                              double gain, int side_px, Progress& progress) {
+                              RectPx region, double gain, int side_px, Progress& progress) {
   // A stride that all indices share lets the source leave out what is not wanted.
   std::int64_t stride = 0;
   for (const std::int64_t index : indices) stride = std::gcd(stride, index);
@@ -54,12 +55,30 @@ std::vector<Shown> showFrames(const Sequence& sequence, const std::vector<std::i
     if (!frame) break;
     progress.step();
     if (at != *wanted) continue;
-    const Image<float> linear = shrunk(std::move(frame->linear), side_px);
+    Image<float>& whole = frame->linear;
+    const bool part = region.width < whole.width() || region.height < whole.height();
+    const Image<float> linear =
+        shrunk(part ? copyOf(std::as_const(whole).view().crop(region)) : std::move(whole), side_px);
     shown.push_back({frame->time_s, toDisplay(linear.view(), gain)});
     ++wanted;
   }
   if (shown.empty()) throw WorkflowError(Exit::kBadData, sequence.name + " has no frames");
   return shown;
+}
+
+RectPx wholeOf(const Sequence& sequence) {
+  return {0, 0, sequence.size.width, sequence.size.height};
+}
+
+RectPx regionOf(const Sequence& sequence, const SheetRequest& request) {
+  if (!request.region) return wholeOf(sequence);
+  const RectPx& r = *request.region;
+  if (r.x < 0 || r.y < 0 || r.width < 1 || r.height < 1 || r.x > sequence.size.width - r.width ||
+      r.y > sequence.size.height - r.height)
+    throw WorkflowError(Exit::kUsage, "the region is not within the frames of " +
+                                          std::to_string(sequence.size.width) + "x" +
+                                          std::to_string(sequence.size.height));
+  return r;
 }
 
 }  // namespace
@@ -80,10 +99,12 @@ std::vector<std::int64_t> spreadEvenly(std::int64_t frames, std::int64_t wanted)
 
 Image<std::uint8_t> makeSheet(const Sequence& sequence, const SheetRequest& request,
                               Progress& progress) {
+  const RectPx region = regionOf(sequence, request);
   const double gain = gainOf(sequence, request.show, progress);
   const auto indices = spreadEvenly(sequence.frames, request.cells);
   progress.begin("making the sheet", static_cast<std::int64_t>(indices.size()));
-  std::vector<Shown> shown = showFrames(sequence, indices, gain, request.cell_width_px, progress);
+  std::vector<Shown> shown =
+      showFrames(sequence, indices, region, gain, request.cell_width_px, progress);
   const double span = shown.back().time_s - shown.front().time_s;
   std::vector<render::SheetCell> cells;
   for (Shown& one : shown)
@@ -126,8 +147,9 @@ Image<std::uint8_t> makePlate(const std::vector<PlateSubject>& subjects, int col
   for (const PlateSubject& subject : subjects) {
     Progress silent;
     const double gain = displayGain(subject.sequence, silent);
-    std::vector<Shown> shown = showFrames(
-        subject.sequence, spreadEvenly(subject.sequence.frames, columns), gain, cell_px, progress);
+    std::vector<Shown> shown =
+        showFrames(subject.sequence, spreadEvenly(subject.sequence.frames, columns),
+                   wholeOf(subject.sequence), gain, cell_px, progress);
     const double span = shown.back().time_s - shown.front().time_s;
     render::PlateRow row{subject.name, subject.detail, {}, {}};
     for (Shown& one : shown) {

@@ -3,6 +3,7 @@
 // textures, chart of the light.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct SheetRequest {
   int cells = 24;  // at most; spread evenly over the frames, first and last included
   int columns = 0;
   int cell_width_px = 220;
+  std::optional<RectPx> region{};  // of the frames; nothing: the whole. WorkflowError(kUsage)
 };
 Image<std::uint8_t> makeSheet(const Sequence& sequence, const SheetRequest& request,
                               Progress& progress);

@@ -48,7 +48,8 @@ void addSheetVerbs(Verb root) {
   addShowingOptions(sheet_verb, *s, kIn, "The picture to write: .png");
   sheet_verb.option("--cells", s->sheet.cells, 1, 1000, "At most so many frames")
       .option("--columns", s->sheet.columns, 0, 100, "Frames a row (default: as fits)")
-      .option("--cell-width", s->sheet.cell_width_px, 16, 4096, "Of a frame, in pixels");
+      .option("--cell-width", s->sheet.cell_width_px, 16, 4096, "Of a frame, in pixels")
+      .option("--region", s->sheet.region, parseRect, "X,Y,W,H", "Of each frame (default: all)");
   auto k = std::make_shared<KeogramOptions>();
   Verb keogram_verb = root.verb("keogram", "One column of every frame, side by side over time",
                                 "patina keogram latest keogram.png --archive ivy",

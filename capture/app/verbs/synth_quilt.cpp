@@ -19,6 +19,16 @@ std::string sizeText(SizePx size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
+constexpr const char* kUses[] = {"keep", "drop", "restore"};
+
+const char* nameOf(quilting::LowFrequencyUse use) { return kUses[static_cast<int>(use)]; }
+
+quilting::LowFrequencyUse parseUse(const std::string& text) {
+  for (int i = 0; i < 3; ++i)
+    if (text == kUses[i]) return static_cast<quilting::LowFrequencyUse>(i);
+  throw AppError(Exit::kUsage, "--low-frequency is '" + text + "'; allowed: keep, drop, restore");
+}
+
 workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   workflow::Making making;
   making.command = "patina synth quilt";
@@ -37,8 +47,15 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   making.options.number("verbatim", options.quilting.verbatim);
   making.options.number("repetition", options.quilting.repetition_penalty);
   making.options.set("tile", options.quilting.tile);
+  making.options.text("low_frequency", nameOf(options.quilting.low_frequency));
+  if (options.quilting.low_frequency != quilting::LowFrequencyUse::kKeep)
+    making.options.number("low_frequency_px", options.quilting.lowFrequencyFor(block));
+  making.options.number("blend_px", options.quilting.blend_px);
   return making;
 }
+
+// Where a seam is this much steeper than the material itself, the eye finds it.
+constexpr double kSeamRatioSeen = 1.25;
 
 void quilt(Context& context, Options& options) {
   options.quilting.seed = context.seed();
@@ -47,6 +64,10 @@ void quilt(Context& context, Options& options) {
   const quilting::QuiltingReport report =
       quilting::quiltTtf(input, options.quilting, options.out,
                          makingOf(options, input.info()).facts().json(), context.progress);
+  if (report.seam_ratio_frames > kSeamRatioSeen && options.quilting.blend_px == 0)
+    context.warn("seams may show: across them the gradient is " +
+                 std::to_string(report.seam_ratio_frames).substr(0, 4) +
+                 " times that inside; --blend 12 corrects what lies beside them");
   context.out.asList();
   context.out.add(std::move(Item()
                                 .set("path", options.out.c_str())
@@ -85,6 +106,14 @@ void addSynthVerbs(Verb root) {
               "Share of the sample's sides that one copy may span")
       .option("--repetition", o->quilting.repetition_penalty, 0.0, 1e6,
               "Penalty on showing one place twice close together")
+      .option(
+          "--low-frequency", o->quilting.low_frequency, parseUse, "keep|drop|restore",
+          "Slow variation over the sample: quilted with the rest, taken out first, or taken out "
+          "and put back over the result")
+      .option("--low-frequency-px", o->quilting.low_frequency_px, 0.0, 65535.0,
+              "What counts as slow: the Gaussian's sigma (default: a block's side)")
+      .option("--blend", o->quilting.blend_px, 0.0, 256.0,
+              "Reach of a correction beside seams, in pixels (default: 0, pure copies)")
       .flag("--tile", o->quilting.tile, "A result that wraps around")
       .option("--out", o->out, "FILE.h5", "Where to")
       .demand("--size")

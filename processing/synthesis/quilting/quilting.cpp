@@ -79,7 +79,7 @@ class Quilter {
     result.report.blocks = index_;
     result.report.rank = features.channels;
     result.report.seam_cost_mean = seam_edges_ ? seam_cost_ / (2.0 * seam_edges_) : 0;
-    result.report.seam_ratio = seamRatio(features, result.quilt);
+    result.report.seam_ratio = seamRatio(applyQuilt(features, result.quilt).view(), result.quilt);
     return result;
   }
 
@@ -150,6 +150,11 @@ int QuiltingOptions::overlapFor(SizePx block) const {
   return std::max(1, std::min(block.width, block.height) * 2 / 5);
 }
 
+double QuiltingOptions::lowFrequencyFor(SizePx block) const {
+  if (low_frequency_px > 0) return low_frequency_px;
+  return std::max(2, std::min(block.width, block.height));
+}
+
 void QuiltingOptions::check(SizePx source) const {
   const auto refuse = [](const std::string& field, const std::string& value,
                          const std::string& allowed) {
@@ -175,6 +180,11 @@ void QuiltingOptions::check(SizePx source) const {
   if (!within(tolerance, 0, 100)) refuse("tolerance", std::to_string(tolerance), "0 to 100");
   if (!within(repetition_penalty, 0, 1e6))
     refuse("repetition_penalty", std::to_string(repetition_penalty), "0 to 1000000");
+  if (low_frequency_px != 0 && !within(low_frequency_px, 2, 65535))
+    refuse("low_frequency_px", std::to_string(low_frequency_px), "0 (a block) or 2 to 65535");
+  if (tile && low_frequency == LowFrequencyUse::kRestore)
+    refuse("low_frequency", "restore", "keep or drop where the result wraps around");
+  if (!within(blend_px, 0, 256)) refuse("blend_px", std::to_string(blend_px), "0 to 256");
   if (!within(verbatim, 0, 1)) refuse("verbatim", std::to_string(verbatim), "0 to 1");
 }
 

@@ -15,6 +15,13 @@
 
 namespace patina::quilting {
 
+// Slow variation over the sample (section 5.3).
+enum class LowFrequencyUse {
+  kKeep,     // is quilted with the rest: real data, copied
+  kDrop,     // is taken out first: the result is even
+  kRestore,  // is taken out first and put back stretched over the result
+};
+
 struct QuiltingOptions {
   SizePx size{1024, 1024};                // of the result
   SizePx block_px{0, 0};                  // width x height, tall for growing things; 0x0: a square
@@ -26,10 +33,14 @@ struct QuiltingOptions {
   bool tile = false;                      // the result wraps around, left to right, top to bottom
   double verbatim = 0.7;            // share of the source's sides that one copy may span; [0,1]
   double repetition_penalty = 1.0;  // on source regions shown nearby; 0: none
+  LowFrequencyUse low_frequency = LowFrequencyUse::kKeep;
+  double low_frequency_px = 0;  // Gaussian sigma of what counts as slow; 0: a block's smaller side
+  double blend_px = 0;  // reach of a correction beside seams, 0 to 256; 0: none, pure copies
   std::uint64_t seed = 1;
   void check(SizePx source) const;       // throws ProcessingError: field, value, range
   SizePx blockFor(SizePx source) const;  // the defaults resolved
   int overlapFor(SizePx block) const;
+  double lowFrequencyFor(SizePx block) const;
 };
 
 // Which source texel each result texel copies: int32 (x, y). The whole result follows from it.
@@ -42,7 +53,7 @@ struct QuiltingReport {
   double svd_error = 0;          // relative RMS of the rank used
   double seam_cost_mean = 0;     // squared difference of the two sides along seams, a texel
   double seam_ratio = 0;         // gradient across seams / gradient inside, in feature space
-  double seam_ratio_frames = 0;  // the same in display values, mean over frames sampled (TTF only)
+  double seam_ratio_frames = 0;  // of the result as displayed, mean over frames sampled (TTF only)
 };
 
 // `features` [h][w][k]: rows of U times the singular values (decomposition/temporal_svd.h).

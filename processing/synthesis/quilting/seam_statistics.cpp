@@ -14,11 +14,11 @@ struct RowSums {
   std::int64_t seam_pairs = 0, inside_pairs = 0;
 };
 
-void addPair(ImageView<const float> source, const Quilt& quilt, int x, int y, int step_x,
+void addPair(ImageView<const float> result, const Quilt& quilt, int x, int y, int step_x,
              int step_y, RowSums& sums) {
   const auto from = quilt.source_xy.view().texel(x, y);
   const auto to = quilt.source_xy.view().texel(x + step_x, y + step_y);
-  const auto a = source.texel(from[0], from[1]), b = source.texel(to[0], to[1]);
+  const auto a = result.texel(x, y), b = result.texel(x + step_x, y + step_y);
   double squares = 0;
   for (std::size_t c = 0; c < a.size(); ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
   const bool inside = to[0] - from[0] == step_x && to[1] - from[1] == step_y;
@@ -28,13 +28,14 @@ void addPair(ImageView<const float> source, const Quilt& quilt, int x, int y, in
 
 }  // namespace
 
-double seamRatio(ImageView<const float> source, const Quilt& quilt) {
+double seamRatio(ImageView<const float> result, const Quilt& quilt) {
+  PATINA_CHECK(result.size() == quilt.source_xy.size());
   const int width = quilt.source_xy.width(), height = quilt.source_xy.height();
   std::vector<RowSums> rows(height);  // summed in order below, whatever the threads do
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      if (x + 1 < width) addPair(source, quilt, x, y, 1, 0, rows[y]);
-      if (y + 1 < height) addPair(source, quilt, x, y, 0, 1, rows[y]);
+      if (x + 1 < width) addPair(result, quilt, x, y, 1, 0, rows[y]);
+      if (y + 1 < height) addPair(result, quilt, x, y, 0, 1, rows[y]);
     }
   });
   RowSums sum;

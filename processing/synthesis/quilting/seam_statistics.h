@@ -6,9 +6,9 @@
 
 namespace patina::quilting {
 
-// A seam lies between two neighbours of the result whose sources are no neighbours. `source`
-// [h][w][c] holds values by source texel. Mean Euclidean difference over seam pairs, over that of
-// all other pairs: 1 is what the material itself does; 0 where there is no seam. O(texels).
-double seamRatio(ImageView<const float> source, const Quilt& quilt);
+// A seam lies between two neighbours of the result whose sources are no neighbours. `result`
+// [h][w][c] has the size of the quilt. Mean Euclidean difference over seam pairs, over that of all
+// other pairs: 1 is what the material itself does; 0 where there is no seam. O(texels).
+double seamRatio(ImageView<const float> result, const Quilt& quilt);
 
 }  // namespace patina::quilting

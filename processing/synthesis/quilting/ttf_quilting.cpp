@@ -1,156 +1,70 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/synthesis/quilting/ttf_quilting.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <cmath>
+#include <optional>
+#include <utility>
 
 #include "processing/image/encoding.h"
+#include "processing/synthesis/quilting/low_frequency.h"
+#include "processing/synthesis/quilting/seam_blend.h"
 #include "processing/synthesis/quilting/seam_statistics.h"
+#include "processing/synthesis/quilting/ttf_features.h"
 
 namespace patina::quilting {
 namespace {
 
-constexpr int kTileTexels = 128;               // a TTF's chunk
-constexpr std::int64_t kTileBytes = 96 << 20;  // of all frames of a tile
 constexpr int kFramesMeasured = 8;
-constexpr double kContrastFloor = 0.2;  // of the strongest frame's
 
-// What a stored sample looks like: sRGB of its linear value.
-std::vector<float> displayTable(double scale) {
-  std::vector<float> table(65536);
-  for (int i = 0; i < 65536; ++i)
-    table[i] = srgbFromLinear(static_cast<float>(std::min(1.0, i * scale / 65535.0)));
-  return table;
-}
-
-// One over each frame's contrast: a seam is seen against what else the frame shows, so a faint
-// early frame counts as much as a strong late one. Frames without contrast are held down (noise).
-std::vector<float> frameWeights(const ttf::TtfReader& input, const std::vector<float>& display) {
-  std::vector<double> contrast;
-  for (int t = 0; t < input.info().frames; ++t) {
-    const Image<std::uint16_t> frame = input.frame(t);
-    const int channels = frame.channels();
-    double variance = 0;
-    for (int c = 0; c < channels; ++c) {
-      double sum = 0, squares = 0;
-      for (std::size_t i = c; i < frame.texels().size(); i += channels) {
-        const double v = display[frame.texels()[i]];
-        sum += v;
-        squares += v * v;
-      }
-      const double n = static_cast<double>(frame.texels().size()) / channels;
-      variance += std::max(0.0, squares / n - sum / n * sum / n);
-    }
-    contrast.push_back(std::sqrt(variance));
-  }
-  const double strongest = *std::max_element(contrast.begin(), contrast.end());
-  std::vector<float> weights;
-  for (double c : contrast)
-    weights.push_back(static_cast<float>(
-        strongest > 0 ? (1 + kContrastFloor) * strongest / (c + kContrastFloor * strongest) : 1));
-  return weights;
-}
-
-// Rows of T, tile by tile as they lie in the file: [frame][channel] of one texel.
-class TileRows {
+// Frames of the result, one at a time.
+class ResultFrames {
  public:
-  TileRows(const ttf::TtfReader& input)
-      : input_(input),
-        display_(displayTable(input.info().scale)),
-        weights_(frameWeights(input, display_)) {
-    const ttf::TtfInfo& info = input.info();
-    const std::int64_t row_bytes =
-        static_cast<std::int64_t>(info.frames) * kTileTexels * info.channels * 2;
-    const int rows =
-        static_cast<int>(std::clamp<std::int64_t>(kTileBytes / row_bytes, 1, kTileTexels));
-    for (int y = 0; y < info.height; y += rows)
-      for (int x = 0; x < info.width; x += kTileTexels)
-        tiles_.push_back(
-            {x, y, std::min(kTileTexels, info.width - x), std::min(rows, info.height - y)});
-    for (const RectPx& tile : tiles_)
-      for (int y = tile.y; y < tile.y + tile.height; ++y)
-        for (int x = tile.x; x < tile.x + tile.width; ++x) texels_.push_back(y * info.width + x);
-  }
+  ResultFrames(const QuiltingSource& source, const Quilt& quilt, const SeamBlend* blend,
+               const LowFrequency* to_restore)
+      : source_(source), quilt_(quilt), blend_(blend), to_restore_(to_restore) {}
 
-  // Row i of T is this texel of the image.
-  const std::vector<std::int32_t>& texels() const { return texels_; }
-
-  void fill(std::int64_t first, std::int64_t count, std::span<float> rows) {
-    if (first == 0) next_tile_ = tile_first_ = tile_count_ = 0;
-    const std::int64_t n = rows.size() / count;
-    for (std::int64_t done = 0; done < count;) {
-      if (first + done == tile_first_ + tile_count_) loadTile();
-      const std::int64_t offset = first + done - tile_first_;
-      const std::int64_t here = std::min(count - done, tile_count_ - offset);
-      transpose(offset, here, rows.data() + done * n);
-      done += here;
-    }
-  }
+  int count() const { return source_.info().frames; }
+  Image<std::uint16_t> samples(int t) const { return finished(t, source_.frame(t)); }
+  Image<float> linear(int t) const { return finished(t, source_.linearFrame(t)); }
 
  private:
-  void loadTile() {
-    const RectPx& tile = tiles_[next_tile_++];
-    samples_ = input_.block(0, input_.info().frames, tile);
-    tile_first_ += tile_count_;
-    tile_count_ = static_cast<std::int64_t>(tile.width) * tile.height;
+  template <class T>
+  Image<T> finished(int t, const Image<T>& frame) const {
+    Image<T> result = applyQuilt(frame.view(), quilt_);
+    if (blend_) blend_->apply(t, result.view());
+    if (to_restore_) to_restore_->putBack(t, result.view());
+    return result;
   }
 
-  // samples_ [t][texel][c] to rows [texel][t][c].
-  void transpose(std::int64_t first, std::int64_t count, float* rows) const {
-    const int frames = input_.info().frames, channels = input_.info().channels;
-    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 16), [&](const auto& range) {
-      for (int t = 0; t < frames; ++t) {
-        const std::uint16_t* in =
-            samples_.data() + (t * tile_count_ + first + range.begin()) * channels;
-        for (std::int64_t i = range.begin(); i < range.end(); ++i)
-          for (int c = 0; c < channels; ++c)
-            rows[(i * frames + t) * channels + c] = weights_[t] * display_[*in++];
-      }
-    });
-  }
-
-  const ttf::TtfReader& input_;
-  std::vector<float> display_, weights_;
-  std::vector<RectPx> tiles_;
-  std::vector<std::int32_t> texels_;
-  std::vector<std::uint16_t> samples_;
-  std::size_t next_tile_ = 0;
-  std::int64_t tile_first_ = 0, tile_count_ = 0;
+  const QuiltingSource& source_;
+  const Quilt& quilt_;
+  const SeamBlend* blend_;
+  const LowFrequency* to_restore_;
 };
 
-double seamRatioInFrames(const ttf::TtfReader& input, const Quilt& quilt) {
-  const int count = std::min(kFramesMeasured, input.info().frames);
+double seamRatioInFrames(const ResultFrames& frames, const Quilt& quilt) {
+  const int count = std::min(kFramesMeasured, frames.count());
   double sum = 0;
   for (int i = 0; i < count; ++i) {
-    const int t = count > 1 ? i * (input.info().frames - 1) / (count - 1) : 0;
-    Image<float> frame = input.linearFrame(t);
+    Image<float> frame = frames.linear(count > 1 ? i * (frames.count() - 1) / (count - 1) : 0);
     for (float& v : frame.texels()) v = srgbFromLinear(v);
     sum += seamRatio(std::as_const(frame).view(), quilt);
   }
   return sum / count;
 }
 
-void writeFrames(const ttf::TtfReader& input, const Quilt& quilt, const std::filesystem::path& out,
-                 const std::string& provenance_json, Progress& progress) {
-  ttf::TtfInfo info = input.info();
-  info.width = quilt.source_xy.width();
-  info.height = quilt.source_xy.height();
-  info.provenance_json = provenance_json;
+void writeFrames(const ResultFrames& frames, ttf::TtfInfo info, const std::filesystem::path& out,
+                 Progress& progress) {
+  const std::vector<double> time_s = info.time_s;
   ttf::TtfWriter writer(out, info);
-  progress.begin("frames", info.frames);
-  for (int t = 0; t < input.info().frames; ++t) {
-    const double time_s = input.info().time_s[t];
+  progress.begin("frames", frames.count());
+  for (int t = 0; t < frames.count(); ++t) {
     if (info.type == ttf::SampleType::kU16) {
-      const Image<std::uint16_t> frame = input.frame(t);
-      const Image<std::uint16_t> result = applyQuilt(frame.view(), quilt);
-      writer.add(result.view(), time_s, Sha256{});
+      const Image<std::uint16_t> frame = frames.samples(t);
+      writer.add(frame.view(), time_s[t], Sha256{});
     } else {
-      const Image<float> frame = input.linearFrame(t);
-      const Image<float> result = applyQuilt(frame.view(), quilt);
-      writer.add(result.view(), time_s, Sha256{});
+      const Image<float> frame = frames.linear(t);
+      writer.add(frame.view(), time_s[t], Sha256{});
     }
     progress.step();
   }
@@ -159,39 +73,33 @@ void writeFrames(const ttf::TtfReader& input, const Quilt& quilt, const std::fil
 
 }  // namespace
 
-TtfFeatures ttfFeatures(const ttf::TtfReader& input, int rank_max, std::optional<double> rank_error,
-                        Progress& progress) {
-  const ttf::TtfInfo& info = input.info();
-  TileRows rows(input);
-  const std::int64_t m = static_cast<std::int64_t>(info.width) * info.height;
-  const std::int64_t n = static_cast<std::int64_t>(info.frames) * info.channels;
-  decomposition::SvdOptions options;
-  options.rank = static_cast<int>(std::min<std::int64_t>(rank_max, std::min(m, n)));
-  options.rank_error = rank_error.value_or(0);
-  options.centre = true;  // distances are the same, and no rank is spent on the mean picture
-  const decomposition::TemporalSvd svd = decomposition::temporalSvd(
-      m, n,
-      [&](std::int64_t first, std::int64_t count, std::span<float> out) {
-        rows.fill(first, count, out);
-      },
-      options, progress);
-  TtfFeatures result{Image<float>(info.width, info.height, svd.rank), svd.relative_error};
-  for (std::int64_t i = 0; i < m; ++i)
-    std::copy_n(
-        svd.scores.begin() + i * svd.rank, svd.rank,
-        result.features.texels().begin() + static_cast<std::int64_t>(rows.texels()[i]) * svd.rank);
-  return result;
-}
-
 QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& options,
                         const std::filesystem::path& out, const std::string& provenance_json,
                         Progress& progress) {
-  options.check({input.info().width, input.info().height});
-  const TtfFeatures f = ttfFeatures(input, options.svd_rank, options.rank_error, progress);
+  const SizePx size{input.info().width, input.info().height};
+  options.check(size);
+  std::optional<LowFrequency> low;
+  if (options.low_frequency != LowFrequencyUse::kKeep)
+    low.emplace(input, options.lowFrequencyFor(options.blockFor(size)), progress);
+  const QuiltingSource source(input, low ? &*low : nullptr);
+  const TtfFeatures f = ttfFeatures(source, options.svd_rank, options.rank_error, progress);
   QuiltResult result = quilt(f.features.view(), options, progress);
   result.report.svd_error = f.relative_error;
-  result.report.seam_ratio_frames = seamRatioInFrames(input, result.quilt);
-  writeFrames(input, result.quilt, out, provenance_json, progress);
+
+  std::optional<SeamBlend> blend;
+  if (options.blend_px > 0)
+    blend.emplace(
+        seamCorrection(f.features.view(), result.quilt, options.blend_px, options.tile, progress),
+        f, input.info().scale);
+  const bool restore = options.low_frequency == LowFrequencyUse::kRestore;
+  const ResultFrames frames(source, result.quilt, blend ? &*blend : nullptr,
+                            restore ? &*low : nullptr);
+  result.report.seam_ratio_frames = seamRatioInFrames(frames, result.quilt);
+  ttf::TtfInfo info = input.info();
+  info.width = options.size.width;
+  info.height = options.size.height;
+  info.provenance_json = provenance_json;
+  writeFrames(frames, std::move(info), out, progress);
   return result.report;
 }
 

@@ -22,5 +22,19 @@ TEST_F(SynthQuilt, QuiltMakesAnySizeFromATexture) {
           place("q3.h5")});
 }
 
+TEST_F(SynthQuilt, SaysWhetherSeamsMayShowAndWhatHelps) {
+  const std::string file = answer({"ttf", "list"}).text("/items/0/path");
+  const auto seamRatio = [&](const char* blend) {
+    return answer({"synth", "quilt", file, "--size", "150x170", "--block", "32x32", "--blend",
+                   blend, "--low-frequency", "drop", "--out", place("q.h5")})
+        .number("/items/0/seam_ratio_frames");
+  };
+  EXPECT_LT(seamRatio("4"), seamRatio("0"));
+  EXPECT_EQ(patina({"synth", "quilt", file, "--size", "96x80", "--low-frequency", "away", "--out",
+                    place("q.h5")})
+                .exit,
+            64);
+}
+
 }  // namespace
 }  // namespace patina::testing

@@ -55,6 +55,16 @@ TEST_F(Pictures, ASheetShowsFirstAndLast) {
   EXPECT_FALSE(shows(sheet, 40 + 20 * 3));
 }
 
+TEST_F(Pictures, ASheetOfARegionIsShapedLikeItAndOneBeyondTheFramesIsRefused) {
+  const auto whole = makeSheet(sequence_, {.cells = 2, .columns = 2}, progress_);
+  const auto part =
+      makeSheet(sequence_, {.cells = 2, .columns = 2, .region = RectPx{2, 1, 16, 4}}, progress_);
+  EXPECT_TRUE(shows(part, 40));
+  EXPECT_LT(part.height(), whole.height());
+  for (const RectPx wrong : {RectPx{0, 0, 25, 4}, RectPx{-1, 0, 4, 4}, RectPx{0, 0, 0, 4}})
+    EXPECT_THROW(makeSheet(sequence_, {.region = wrong}, progress_), WorkflowError);
+}
+
 TEST_F(Pictures, AKeogramShowsEveryFrame) {
   const Image<std::uint8_t> keogram = makeKeogram(sequence_, {}, progress_);
   for (int k = 0; k < 9; ++k) EXPECT_TRUE(shows(keogram, 40 + 20 * k)) << k;

@@ -23,16 +23,18 @@ Image<float> ramp(int width) {
   return f;
 }
 
+double ratioOf(const Image<float>& source, const Quilt& quilt) {
+  return seamRatio(applyQuilt(source.view(), quilt).view(), quilt);
+}
+
 TEST(SeamRatio, IsTheStepAcrossTheSeamOverTheMeanStepInside) {
   // Inside: 12 steps of 1 along rows, 8 of 0 along columns; the seam's two steps are 7.
-  EXPECT_DOUBLE_EQ(seamRatio(ramp(20).view(), twoPieces(10)), 7.0 / (12.0 / 20.0));
+  EXPECT_DOUBLE_EQ(ratioOf(ramp(20), twoPieces(10)), 7.0 / (12.0 / 20.0));
 }
 
 TEST(SeamRatio, IsZeroWhereThereIsNoSeamOrNoGradient) {
-  const Image<float> f = ramp(20);
-  EXPECT_EQ(seamRatio(f.view(), twoPieces(4)), 0);
-  const Image<float> flat(20, 2, 1);
-  EXPECT_EQ(seamRatio(flat.view(), twoPieces(10)), 0);
+  EXPECT_EQ(ratioOf(ramp(20), twoPieces(4)), 0);
+  EXPECT_EQ(ratioOf(Image<float>(20, 2, 1), twoPieces(10)), 0);
 }
 
 }  // namespace

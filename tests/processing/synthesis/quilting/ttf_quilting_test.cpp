@@ -7,37 +7,14 @@
 #include <cmath>
 
 #include "processing/image/encoding.h"
-#include "tests/processing/synthesis/quilting/textures.h"
+#include "processing/synthesis/quilting/ttf_features.h"
+#include "tests/processing/synthesis/quilting/ttf_texture.h"
 #include "tests/support/temp_folder.h"
 
 namespace patina::quilting {
 namespace {
 
 using patina::testing::TempFolder;
-
-// Two waves that fade in and out over time, and a hash of a texel's place: every texel is unique.
-void writeTexture(const std::filesystem::path& path, int frames, SizePx size,
-                  ttf::SampleType type = ttf::SampleType::kU16) {
-  const Image<float> waves = waveTexture(size, 2);
-  ttf::TtfInfo info;
-  info.width = size.width;
-  info.height = size.height;
-  info.type = type;
-  info.mm_per_texel = 0.5;
-  ttf::TtfWriter writer(path, info);
-  for (int t = 0; t < frames; ++t) {
-    Image<float> frame(size.width, size.height, 3);
-    const double s = double(t) / frames;
-    for (int y = 0; y < size.height; ++y)
-      for (int x = 0; x < size.width; ++x)
-        for (int c = 0; c < 3; ++c)
-          frame.at(x, y, c) = static_cast<float>(0.5 + 0.1 * (1 - s) * waves.at(x, y, 0) +
-                                                 0.1 * s * waves.at(x, y, 1) + 0.02 * c +
-                                                 0.001 * uniform(hashSeed(2, x, y)));
-    writer.add(std::as_const(frame).view(), 60.0 * t, sha256(std::to_string(t)));
-  }
-  writer.close();
-}
 
 QuiltingOptions options(SizePx size) {
   QuiltingOptions o;
@@ -58,7 +35,7 @@ TEST(QuiltTtf, CopiesRealDataInEveryFrameAtOneAndTheSamePlace) {
   EXPECT_GT(report.seam_ratio_frames, 0);
   EXPECT_LT(report.seam_ratio_frames, 2.5);
 
-  const TtfFeatures f = ttfFeatures(input, 15, {}, progress);
+  const TtfFeatures f = ttfFeatures(QuiltingSource(input, nullptr), 15, {}, progress);
   const QuiltResult again = quilt(f.features.view(), options({180, 150}), progress);
   const ttf::TtfReader output(folder / "out.h5");
   EXPECT_EQ(output.info().frames, 11);
@@ -72,66 +49,63 @@ TEST(QuiltTtf, CopiesRealDataInEveryFrameAtOneAndTheSamePlace) {
   }
 }
 
+TEST(QuiltTtf, BlendsSeamsAwayAndLeavesWhatIsFarFromThemBitForBit) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 6, {140, 131});
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  QuiltingOptions o = options({180, 150});
+  const QuiltingReport copied = quiltTtf(input, o, folder / "copied.h5", "{}", progress);
+  o.blend_px = 1.5;
+  const QuiltingReport blended = quiltTtf(input, o, folder / "blended.h5", "{}", progress);
+  EXPECT_EQ(blended.seam_ratio, copied.seam_ratio);  // the same cuts
+  EXPECT_LT(blended.seam_ratio_frames, 0.8 * copied.seam_ratio_frames);
+  const Image<std::uint16_t> a = ttf::TtfReader(folder / "copied.h5").frame(4),
+                             b = ttf::TtfReader(folder / "blended.h5").frame(4);
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < a.texels().size(); ++i) same += a.texels()[i] == b.texels()[i];
+  EXPECT_GT(same, a.texels().size() / 10);
+  EXPECT_LT(same, a.texels().size() * 9 / 10);
+}
+
+// Mean over the left and the right quarter of a frame.
+std::pair<double, double> sidesOf(const Image<float>& frame) {
+  double left = 0, right = 0;
+  const int quarter = frame.width() / 4;
+  for (int y = 0; y < frame.height(); ++y)
+    for (int x = 0; x < quarter; ++x) {
+      left += frame.at(x, y, 0);
+      right += frame.at(frame.width() - 1 - x, y, 0);
+    }
+  return {left, right};
+}
+
+TEST(QuiltTtf, DropsARampOfTheSampleOrStretchesItOverTheResult) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 3, {140, 131}, ttf::SampleType::kU16,
+               [](int x, int, double) { return 0.5 + 0.006 * x; });
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  QuiltingOptions o = options({200, 150});
+  const auto ratio = [&](LowFrequencyUse use) {
+    o.low_frequency = use;
+    quiltTtf(input, o, folder / "out.h5", "{}", progress);
+    const auto [left, right] = sidesOf(ttf::TtfReader(folder / "out.h5").linearFrame(2));
+    return right / left;
+  };
+  EXPECT_NEAR(ratio(LowFrequencyUse::kDrop), 1, 0.08);
+  const auto [left, right] = sidesOf(input.linearFrame(2));
+  EXPECT_NEAR(ratio(LowFrequencyUse::kRestore), right / left, 0.15);
+  o.tile = true;
+  EXPECT_THROW(ratio(LowFrequencyUse::kRestore), ProcessingError);
+}
+
 TEST(QuiltTtf, KeepsFloatVolumesFloat) {
   const TempFolder folder = TempFolder::inMemory();
   writeTexture(folder / "in.h5", 2, {40, 40}, ttf::SampleType::kF32);
   Progress progress;
   quiltTtf(ttf::TtfReader(folder / "in.h5"), options({50, 50}), folder / "out.h5", "{}", progress);
   EXPECT_EQ(ttf::TtfReader(folder / "out.h5").info().type, ttf::SampleType::kF32);
-}
-
-// Standard deviation of a frame as displayed, over its channels.
-double contrastOf(const Image<float>& frame) {
-  double variance = 0;
-  for (int c = 0; c < 3; ++c) {
-    double sum = 0, squares = 0;
-    for (std::size_t i = c; i < frame.texels().size(); i += 3) {
-      const double v = srgbFromLinear(frame.texels()[i]);
-      sum += v;
-      squares += v * v;
-    }
-    const double n = frame.texels().size() / 3.0;
-    variance += squares / n - sum / n * sum / n;
-  }
-  return std::sqrt(variance);
-}
-
-TEST(TtfFeatures, DistancesAreThoseOfWholeHistoriesAsDisplayedEachFrameAgainstItsContrast) {
-  const TempFolder folder = TempFolder::inMemory();
-  writeTexture(folder / "in.h5", 9, {150, 30});
-  const ttf::TtfReader input(folder / "in.h5");
-  Progress progress;
-  const TtfFeatures f = ttfFeatures(input, 27, {}, progress);
-  ASSERT_EQ(f.features.channels(), 27);
-  std::vector<Image<float>> frames;
-  std::vector<double> contrast;
-  for (int t = 0; t < 9; ++t) {
-    frames.push_back(input.linearFrame(t));
-    contrast.push_back(contrastOf(frames.back()));
-  }
-  const double strongest = *std::max_element(contrast.begin(), contrast.end());
-  for (auto [a, b] : {std::pair{3, 149}, {0, 128}, {127, 60}}) {
-    double histories = 0, features = 0;
-    for (int t = 0; t < 9; ++t)
-      for (int c = 0; c < 3; ++c) {
-        const double weight = 1.2 * strongest / (contrast[t] + 0.2 * strongest);
-        histories += std::pow(weight * (srgbFromLinear(frames[t].at(a, 7, c)) -
-                                        srgbFromLinear(frames[t].at(b, 20, c))),
-                              2);
-      }
-    for (int k = 0; k < 27; ++k)
-      features += std::pow(f.features.at(a, 7, k) - f.features.at(b, 20, k), 2);
-    EXPECT_NEAR(features, histories, 1e-3 * histories + 1e-7);
-  }
-}
-
-TEST(TtfFeatures, TakesTheRankByErrorAndNeverMoreThanThereIs) {
-  const TempFolder folder = TempFolder::inMemory();
-  writeTexture(folder / "in.h5", 9, {40, 30});
-  const ttf::TtfReader input(folder / "in.h5");
-  Progress progress;
-  EXPECT_LE(ttfFeatures(input, 15, 0.05, progress).features.channels(), 3);
-  EXPECT_EQ(ttfFeatures(input, 500, {}, progress).features.channels(), 27);
 }
 
 TEST(QuiltTtf, RefusesABlockLargerThanTheSourceBeforeItReadsAnything) {
