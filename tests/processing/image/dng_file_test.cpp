@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "processing/image/raw_decode.h"
+#include "processing/image/sha256.h"
 #include "tests/processing/image/samples.h"
 
 namespace patina {
@@ -63,6 +64,30 @@ TEST(EncodeDng, LeavesOutWhatIsUnknown) {
   const Bytes file = encodeDng(raw);
   expectSame(decodeRaw(file), raw);
   expectSame(decodeRawByLibRaw(file, {}), raw);
+}
+
+// Frames are named by their hashes, and a seed promises them.
+TEST(EncodeDng, WritesTheSameBytesAsEver) {
+  RawMosaic raw = mosaic(64, 48);
+  EXPECT_EQ(sha256(encodeDng(raw)).hex(),
+            "e04323b31b1dcb8d1f8924f5ad410dba7ae2bd07b4ffaa3422fed893aa1f8112");
+  raw = mosaic(302, 201);
+  raw.model = "M";
+  raw.exposure = Nanoseconds{30'000'000'000};
+  raw.iso.reset();
+  EXPECT_EQ(sha256(encodeDng(raw)).hex(),
+            "7b7fa636f7efa582715bca99826b4d364f902dfae1318341ae5eb56add2da21b");
+  raw.exposure.reset();
+  raw.f_number.reset();
+  raw.taken_utc.reset();
+  EXPECT_EQ(sha256(encodeDng(raw)).hex(),
+            "b9180cedf5b5751c087475bb67f8d16b0262bda9ebff1adfdbdf7744da02b1d7");
+}
+
+TEST(EncodeDng, KeepsABlackLevelBetweenTwoSamples) {
+  RawMosaic raw = mosaic(64, 48);
+  raw.black_level = 63.625;
+  EXPECT_EQ(decodeRaw(encodeDng(raw)).black_level, 63.625);
 }
 
 TEST(EncodeDng, IsPureAndRefusesNonsense) {
