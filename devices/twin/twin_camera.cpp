@@ -7,7 +7,6 @@
 #include "devices/twin/settings.h"
 #include "devices/twin/twin_devices.h"
 #include "processing/image/dng_file.h"
-#include "processing/image/encoding.h"
 #include "processing/image/random.h"
 
 namespace patina::devices::twin {
@@ -35,13 +34,6 @@ CameraSettings readSettings(const World& world, const CameraSpec& spec) {
   return s;
 }
 
-// Linear light to sRGB bytes, no white balance: the lamps are the camera's white.
-Bytes developJpeg(const RawMosaic& raw) {
-  Image<float> linear = demosaic(raw);
-  Image<std::uint8_t> srgb = encodeSrgb8(linear.view());
-  return encodeJpeg(srgb.view(), 95);
-}
-
 class TwinCamera final : public Camera {
  public:
   TwinCamera(std::shared_ptr<World> world, const CameraSpec& spec)
@@ -49,6 +41,7 @@ class TwinCamera final : public Camera {
         settings_(readSettings(*world_, spec)),
         seed_(deviceSeed(*world_, spec.id)),
         maker_(*world_, pictureLayout(world_->spec(), spec), seed_),
+        develop_(world_->profile().sensor.black_level, world_->profile().sensor.whiteLevel()),
         exposure_(defaultExposure()) {
     caps_.id = spec.id;
     caps_.model = "Patina Twin";
@@ -99,6 +92,7 @@ class TwinCamera final : public Camera {
   CameraSettings settings_;
   std::uint64_t seed_;
   PictureMaker maker_;
+  SrgbDeveloper develop_;
   Exposure exposure_;
   CameraCaps caps_;
   State state_ = State::kClosed;
@@ -161,8 +155,10 @@ Result<std::vector<RawFrame>> TwinCamera::collect(const Ticket& ticket, MonoTime
   raw.taken_utc = armed_.began_utc;
   std::vector<RawFrame> frames;
   if (settings_.raw) frames.push_back(frame(0, "dng", encodeDng(raw)));
+  // No white balance: the lamps are the camera's white.
   if (settings_.jpeg)
-    frames.push_back(frame(static_cast<int>(frames.size()), "jpg", developJpeg(raw)));
+    frames.push_back(
+        frame(static_cast<int>(frames.size()), "jpg", encodeJpeg(develop_(raw).view(), 95)));
   state_ = State::kReady;
   return frames;
 }

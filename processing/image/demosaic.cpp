@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From a mosaic of colour filters to three channels, for dng_file.h.
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "processing/image/dng_file.h"
+#include "processing/image/encoding.h"
 #include "processing/image/parallel_rows.h"
 
 namespace patina {
@@ -44,36 +47,137 @@ Levels levelsOf(const RawMosaic& raw) {
           static_cast<float>(1.0 / (raw.white_level - raw.black_level))};
 }
 
+constexpr int kChunk = 256;  // texels of a row taken together
+
+// What every demosaic of a mosaic shares.
+class Bilinear {
+ public:
+  explicit Bilinear(const RawMosaic& raw) : in_(raw.samples.view()), levels_(levelsOf(raw)) {
+    for (int i = 0; i < 12; ++i) table_[i] = neighboursOf(raw, (i / 3) & 1, i / 6, i % 3);
+    const auto& cfa = raw.cfa;
+    const bool falling = cfa[0] == 1 && cfa[3] == 1, rising = cfa[1] == 1 && cfa[2] == 1;
+    const int a = falling ? cfa[1] : cfa[0], b = falling ? cfa[2] : cfa[3];
+    bayer_ = falling != rising && a + b == 2 && a != b;
+    for (int y = 0; y < 2; ++y) {
+      green_[y] = cfa[2 * y] == 1 ? 0 : 1;
+      other_[y] = cfa[2 * y + 1 - green_[y]];
+    }
+  }
+  SizePx size() const { return in_.size(); }
+  // Whether quarters() knows all but the first and last texel of a row.
+  bool quick(int y) const { return bayer_ && in_.width > 2 && y > 0 && y + 1 < in_.height; }
+  float value(float sample) const { return (sample - levels_.black) * levels_.scale; }
+
+  // One texel anywhere, of any mosaic: the mean of the neighbours that are inside.
+  template <class Put>
+  void texel(int x, int y, const Put& put) const {
+    for (int c = 0; c < 3; ++c) {
+      const Neighbours& n = table_[((y & 1) * 2 + (x & 1)) * 3 + c];
+      int sum = 0, count = 0;
+      for (int i = 0; i < n.count; ++i) {
+        const int sx = x + n.offsets[i].dx, sy = y + n.offsets[i].dy;
+        if (sx < 0 || sy < 0 || sx >= in_.width || sy >= in_.height) continue;
+        sum += in_.at(sx, sy);
+        ++count;
+      }
+      put(c, count > 0 ? value(static_cast<float>(sum) / static_cast<float>(count)) : 0.0f);
+    }
+  }
+  // Four times the means of an inner row, which are whole numbers: put(index in the row, quarters).
+  template <class Put>
+  void quarters(int y, const Put& put) const {
+    const std::uint16_t *up = in_.row(y - 1), *row = in_.row(y), *down = in_.row(y + 1);
+    const int own = other_[y & 1], across = 2 - own;
+    int beside[kChunk], above[kChunk], corners[kChunk];
+    for (int x0 = 1; x0 + 1 < in_.width; x0 += kChunk) {
+      const int count = std::min(kChunk, in_.width - 1 - x0);
+      for (int i = 0; i < count; ++i) {  // vectorises
+        const int x = x0 + i;
+        beside[i] = row[x - 1] + row[x + 1];
+        above[i] = up[x] + down[x];
+        corners[i] = up[x - 1] + up[x + 1] + down[x - 1] + down[x + 1];
+      }
+      const auto atGreen = [&](int i) {
+        const int at = 3 * (x0 + i);
+        put(at + own, 2 * beside[i]);
+        put(at + 1, 4 * row[x0 + i]);
+        put(at + across, 2 * above[i]);
+      };
+      const auto atOther = [&](int i) {
+        const int at = 3 * (x0 + i);
+        put(at + own, 4 * row[x0 + i]);
+        put(at + 1, beside[i] + above[i]);
+        put(at + across, corners[i]);
+      };
+      int i = 0;
+      if ((x0 & 1) != green_[y & 1]) atOther(i++);
+      for (; i + 1 < count; i += 2) {
+        atGreen(i);
+        atOther(i + 1);
+      }
+      if (i < count) atGreen(i);
+    }
+  }
+
+ private:
+  ImageView<const std::uint16_t> in_;
+  Levels levels_;
+  std::array<Neighbours, 12> table_;      // [cell y][cell x][colour]
+  bool bayer_ = false;                    // green on a diagonal, red and blue on the other
+  std::array<int, 2> green_{}, other_{};  // by row: x of the green cell, the other colour
+};
+
+// Rows of three channels: inner texels by `quarter`, those on the border by `whole`.
+template <class T, class Quarter, class Whole>
+Image<T> develop(const Bilinear& bilinear, const Quarter& quarter, const Whole& whole) {
+  const auto [width, height] = bilinear.size();
+  Image<T> out(width, height, 3);
+  const ImageView<T> to = out.view();
+  forEachRow(height, std::int64_t{8} * width, [&, width = width](int y) {
+    T* row = to.row(y);
+    const auto slowly = [&](int x) {
+      bilinear.texel(x, y, [&](int c, float v) { row[3 * x + c] = whole(v); });
+    };
+    if (!bilinear.quick(y)) {
+      for (int x = 0; x < width; ++x) slowly(x);
+      return;
+    }
+    slowly(0);
+    bilinear.quarters(y, [&](int i, int quarters) { row[i] = quarter(quarters); });
+    slowly(width - 1);
+  });
+  return out;
+}
+
 }  // namespace
 
 Image<float> demosaic(const RawMosaic& raw) {
-  const ImageView<const std::uint16_t> in = raw.samples.view();
-  const Levels levels = levelsOf(raw);
-  std::array<Neighbours, 12> table;  // [cell y][cell x][colour]
-  for (int i = 0; i < 12; ++i) table[i] = neighboursOf(raw, (i / 3) & 1, i / 6, i % 3);
-  Image<float> out(in.width, in.height, 3);
-  const ImageView<float> to = out.view();
-  forEachRow(in.height, std::int64_t{24} * in.width, [&](int y) {
-    const bool inner_row = y > 0 && y + 1 < in.height;
-    float* row = to.row(y);
-    for (int x = 0; x < in.width; ++x) {
-      const bool inner = inner_row && x > 0 && x + 1 < in.width;
-      for (int c = 0; c < 3; ++c) {
-        const Neighbours& n = table[((y & 1) * 2 + (x & 1)) * 3 + c];
-        int sum = 0, count = inner ? n.count : 0;
-        for (int i = 0; i < n.count; ++i) {
-          const int sx = x + n.offsets[i].dx, sy = y + n.offsets[i].dy;
-          if (!inner && (sx < 0 || sy < 0 || sx >= in.width || sy >= in.height)) continue;
-          sum += in.at(sx, sy);
-          count += inner ? 0 : 1;
-        }
-        *row++ = count > 0 ? (static_cast<float>(sum) / static_cast<float>(count) - levels.black) *
-                                 levels.scale
-                           : 0.0f;
-      }
-    }
-  });
-  return out;
+  const Bilinear bilinear(raw);
+  return develop<float>(
+      bilinear, [&](int quarters) { return bilinear.value(static_cast<float>(quarters) * 0.25f); },
+      [](float v) { return v; });
+}
+
+SrgbDeveloper::SrgbDeveloper(double black_level, double white_level)
+    : black_level_(black_level), white_level_(white_level) {
+  RawMosaic ramp;
+  ramp.black_level = black_level;
+  ramp.white_level = white_level;
+  const Levels levels = levelsOf(ramp);
+  // One past white: what lies above it is clipped to the same code.
+  Image<float> linear(4 * static_cast<int>(std::ceil(white_level)) + 5, 1, 1);
+  for (int i = 0; i < linear.width(); ++i)
+    linear.at(i, 0) = (static_cast<float>(i) * 0.25f - levels.black) * levels.scale;
+  codes_ = encodeSrgb8(linear.view()).texels();
+}
+
+Image<std::uint8_t> SrgbDeveloper::operator()(const RawMosaic& raw) const {
+  PATINA_CHECK(raw.black_level == black_level_ && raw.white_level == white_level_);
+  const std::uint8_t* codes = codes_.data();
+  const int top = static_cast<int>(codes_.size()) - 1;
+  return develop<std::uint8_t>(
+      Bilinear(raw), [=](int quarters) { return codes[std::min(quarters, top)]; },
+      [](float v) { return encodeSrgb8(v); });
 }
 
 Image<float> demosaicHalf(const RawMosaic& raw) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// DNG 1.4 out (libtiff) and raw in (LibRaw): one plane of Bayer samples, black and white known.
+// DNG 1.4 out and raw in (LibRaw): one plane of Bayer samples, black and white known.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "processing/image/picture_file.h"
 
@@ -30,7 +31,18 @@ Bytes encodeDng(const RawMosaic& raw);
 RawMosaic decodeRaw(std::span<const std::byte> file, const PictureLimits& = {});
 // (sample - black) / (white - black), bilinear demosaic: [h][w][3] linear. Not clamped below 0.
 Image<float> demosaic(const RawMosaic& raw);
-// The same without interpolation: each 2x2 cell gives one RGB texel: [h/2][w/2][3].
+// encodeSrgb8(demosaic(raw)), bit for bit, by a table of the levels: for one camera's many
+// pictures. Immutable after construction. A raw file of other levels is a bug.
+class SrgbDeveloper {
+ public:
+  SrgbDeveloper(double black_level, double white_level);
+  Image<std::uint8_t> operator()(const RawMosaic& raw) const;  // [h][w][3]
+
+ private:
+  double black_level_, white_level_;
+  std::vector<std::uint8_t> codes_;  // by quarters of a sample
+};
+// demosaic() without interpolation: each 2x2 cell gives one RGB texel: [h/2][w/2][3].
 Image<float> demosaicHalf(const RawMosaic& raw);
 
 }  // namespace patina

@@ -86,6 +86,8 @@ Image<Out> mapSamples(ImageView<const In> in, const Convert& convert) {
 float srgbFromLinear(float linear) { return static_cast<float>(srgbOf(clamped(linear))); }
 float linearFromSrgb(float encoded) { return static_cast<float>(linearOf(clamped(encoded))); }
 
+std::uint8_t encodeSrgb8(float linear) { return floatToCode()(linear); }
+
 Image<std::uint8_t> encodeSrgb8(ImageView<const float> linear) {
   const FloatToCode& table = floatToCode();
   return mapSamples<std::uint8_t>(linear, [&](float v) { return table(v); });

@@ -11,6 +11,8 @@ namespace patina {
 float srgbFromLinear(float linear);
 float linearFromSrgb(float encoded);
 
+std::uint8_t encodeSrgb8(float linear);  // of one sample
+
 // Tables make these cheap: O(texels), multi-threaded, 8 bits a channel.
 Image<std::uint8_t> encodeSrgb8(ImageView<const float> linear);          // [h][w][c]
 Image<std::uint8_t> encodeSrgb8(ImageView<const std::uint16_t> linear);  // 65535 = 1.0

@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "processing/image/dng_file.h"
+#include "processing/image/encoding.h"
 #include "tests/processing/image/samples.h"
 #include "tests/support/matchers.h"
 
@@ -54,6 +55,53 @@ TEST(Demosaic, KeepsNoiseBelowBlackNegative) {
   EXPECT_NEAR(demosaic(raw).at(1, 1, 0), -0.05f, 1e-6);
   raw.white_level = 100;
   EXPECT_THROW(demosaic(raw), ProcessingError);
+}
+
+// The definition: the mean of the samples of a colour in the 3x3 window, or the sample itself.
+float meanAround(const RawMosaic& raw, int x, int y, int colour) {
+  const auto colourAt = [&](int u, int v) { return raw.cfa[(v & 1) * 2 + (u & 1)]; };
+  const int reach = colourAt(x, y) == colour ? 0 : 1;
+  int sum = 0, count = 0;
+  for (int v = std::max(0, y - reach); v <= std::min(raw.samples.height() - 1, y + reach); ++v)
+    for (int u = std::max(0, x - reach); u <= std::min(raw.samples.width() - 1, x + reach); ++u)
+      if (colourAt(u, v) == colour) {
+        sum += raw.samples.at(u, v);
+        ++count;
+      }
+  if (count == 0) return 0;
+  const auto range = static_cast<float>(1.0 / (raw.white_level - raw.black_level));
+  return (static_cast<float>(sum) / static_cast<float>(count) -
+          static_cast<float>(raw.black_level)) *
+         range;
+}
+
+TEST(Demosaic, IsItsDefinitionToTheBitForEverySizeAndFilter) {
+  for (const std::array<std::uint8_t, 4> cfa : {std::array<std::uint8_t, 4>{0, 1, 1, 2},
+                                                {2, 1, 1, 0},
+                                                {1, 0, 2, 1},
+                                                {1, 2, 0, 1},
+                                                {0, 1, 2, 1},
+                                                {1, 1, 1, 1},
+                                                {0, 1, 1, 0}})
+    for (const SizePx size : {SizePx{1, 1}, {2, 3}, {3, 3}, {4, 2}, {7, 6}, {64, 48}}) {
+      RawMosaic raw = mosaic(size.width, size.height);
+      raw.cfa = cfa;
+      const auto out = demosaic(raw);
+      for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x)
+          for (int c = 0; c < 3; ++c)
+            ASSERT_EQ(out.at(x, y, c), meanAround(raw, x, y, c)) << x << "," << y << "," << c;
+    }
+}
+
+TEST(SrgbDeveloper, GivesTheBytesOfTheDemosaicedPicture) {
+  for (const SizePx size : {SizePx{1, 1}, {3, 3}, {64, 48}, {65, 47}}) {
+    RawMosaic raw = mosaic(size.width, size.height);
+    raw.samples.at(0, 0) = 0;                                  // below black
+    raw.samples.at(size.width / 2, size.height / 2) = 65'535;  // far above white
+    const SrgbDeveloper develop(raw.black_level, raw.white_level);
+    EXPECT_EQ(develop(raw).texels(), encodeSrgb8(demosaic(raw).view()).texels());
+  }
 }
 
 TEST(DemosaicHalf, AveragesTheTwoGreens) {
