@@ -100,8 +100,11 @@ Journal& Archive::State::journalOf(const std::string& run_id) {
 }
 
 std::string Archive::State::runOfStep(RowId step_id) {
-  if (deferred && deferred->id == step_id) return deferred->run_id;
   if (known_step == step_id) return known_run;
+  if (deferred && deferred->id == step_id) {
+    known_step = step_id;  // also when its row is in the table
+    return known_run = deferred->run_id;
+  }
   Statement& statement = reader->state_->statement(Query::kRunOfStep);
   const Reading reading(statement);
   statement.bind(1, step_id);

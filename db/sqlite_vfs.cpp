@@ -254,6 +254,10 @@ int vfsDelete(sqlite3_vfs* vfs, const char* path, int sync_folder) {
 }  // namespace
 
 SqliteVfs::SqliteVfs(FileOps& files) : state_(std::make_unique<State>()) {
+  // Sums of allocated memory, which nobody asks for, cost a lock around every allocation. Only
+  // before SQLite's first use; later it is refused, and harmless.
+  static const int counts_no_memory = sqlite3_config(SQLITE_CONFIG_MEMSTATUS, 0);
+  static_cast<void>(counts_no_memory);
   static std::atomic<int> count{0};
   state_->base = sqlite3_vfs_find("unix");
   state_->files = &files;
