@@ -83,12 +83,13 @@ class Bilinear {
       put(c, count > 0 ? value(static_cast<float>(sum) / static_cast<float>(count)) : 0.0f);
     }
   }
-  // Four times the means of an inner row, which are whole numbers: put(index in the row, quarters).
+  // Four times the means of an inner row, which are whole numbers: put(index in the row, quarters,
+  // how many), for all but its first and last texel, in pieces.
   template <class Put>
   void quarters(int y, const Put& put) const {
     const std::uint16_t *up = in_.row(y - 1), *row = in_.row(y), *down = in_.row(y + 1);
     const int own = other_[y & 1], across = 2 - own;
-    int beside[kChunk], above[kChunk], corners[kChunk];
+    int beside[kChunk], above[kChunk], corners[kChunk], out[3 * kChunk];
     for (int x0 = 1; x0 + 1 < in_.width; x0 += kChunk) {
       const int count = std::min(kChunk, in_.width - 1 - x0);
       for (int i = 0; i < count; ++i) {  // vectorises
@@ -98,16 +99,14 @@ class Bilinear {
         corners[i] = up[x - 1] + up[x + 1] + down[x - 1] + down[x + 1];
       }
       const auto atGreen = [&](int i) {
-        const int at = 3 * (x0 + i);
-        put(at + own, 2 * beside[i]);
-        put(at + 1, 4 * row[x0 + i]);
-        put(at + across, 2 * above[i]);
+        out[3 * i + own] = 2 * beside[i];
+        out[3 * i + 1] = 4 * row[x0 + i];
+        out[3 * i + across] = 2 * above[i];
       };
       const auto atOther = [&](int i) {
-        const int at = 3 * (x0 + i);
-        put(at + own, 4 * row[x0 + i]);
-        put(at + 1, beside[i] + above[i]);
-        put(at + across, corners[i]);
+        out[3 * i + own] = 4 * row[x0 + i];
+        out[3 * i + 1] = beside[i] + above[i];
+        out[3 * i + across] = corners[i];
       };
       int i = 0;
       if ((x0 & 1) != green_[y & 1]) atOther(i++);
@@ -116,6 +115,7 @@ class Bilinear {
         atOther(i + 1);
       }
       if (i < count) atGreen(i);
+      put(3 * x0, out, 3 * count);
     }
   }
 
@@ -128,12 +128,13 @@ class Bilinear {
 };
 
 // Rows of three channels: inner texels by `quarter`, those on the border by `whole`.
+// By value: a pointer in a reference would be read again after every byte written.
 template <class T, class Quarter, class Whole>
-Image<T> develop(const Bilinear& bilinear, const Quarter& quarter, const Whole& whole) {
+Image<T> develop(const Bilinear& bilinear, Quarter quarter, Whole whole) {
   const auto [width, height] = bilinear.size();
   Image<T> out(width, height, 3);
   const ImageView<T> to = out.view();
-  forEachRow(height, std::int64_t{8} * width, [&, width = width](int y) {
+  forEachRow(height, std::int64_t{8} * width, [&, quarter, width = width](int y) {
     T* row = to.row(y);
     const auto slowly = [&](int x) {
       bilinear.texel(x, y, [&](int c, float v) { row[3 * x + c] = whole(v); });
@@ -143,7 +144,10 @@ Image<T> develop(const Bilinear& bilinear, const Quarter& quarter, const Whole& 
       return;
     }
     slowly(0);
-    bilinear.quarters(y, [&](int i, int quarters) { row[i] = quarter(quarters); });
+    bilinear.quarters(y, [quarter, row](int at, const int* quarters, int count) {
+      T* to_row = row + at;
+      for (int i = 0; i < count; ++i) to_row[i] = quarter(quarters[i]);
+    });
     slowly(width - 1);
   });
   return out;
