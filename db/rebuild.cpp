@@ -44,7 +44,6 @@ void saveWhatJournalsLack(FileOps& files, const std::filesystem::path& archive) 
 void fill(Archive::State& state, const std::filesystem::path& file, Progress& progress) {
   const auto& archive = state.options.folder;
   Database fresh(file, Database::Access::kCreate, *state.files);
-  setPageSize(fresh);
   fresh.run("PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF; PRAGMA cache_size=-65536");
   createTables(fresh);
   CatalogueWriter writer(fresh);

@@ -81,8 +81,6 @@ CREATE TABLE journal_mark(journal TEXT PRIMARY KEY NOT NULL, bytes INTEGER NOT N
   STRICT, WITHOUT ROWID;
 )sql";
 
-constexpr std::int64_t kCheckpointBytes = 8 << 20;  // of WAL
-
 // kMigrations[v] makes version v + 1 out of version v.
 constexpr std::array<const char*, kSchemaVersion> kMigrations = {kVersion1};
 
@@ -107,15 +105,11 @@ void refuseForeign(Database& database) {
 
 }  // namespace
 
-void setPageSize(Database& fresh) { fresh.run("PRAGMA page_size=" + std::to_string(kPageBytes)); }
-
 void configureWriter(Database& database, Durability durability) {
-  setPageSize(database);
   database.run("PRAGMA temp_store=MEMORY; PRAGMA cache_size=-16384; PRAGMA foreign_keys=ON");
   refuseForeign(database);
   refuseNewer(database, versionOf(database));
-  database.run("PRAGMA journal_mode=WAL; PRAGMA wal_autocheckpoint=" +
-               std::to_string(kCheckpointBytes / database.number("PRAGMA page_size")));
+  database.run("PRAGMA journal_mode=WAL; PRAGMA wal_autocheckpoint=2000");
   const bool full = durability == Durability::kFull;
   database.run(full ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL");
   database.gatherWrites(full);

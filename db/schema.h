@@ -12,13 +12,6 @@ namespace patina::db {
 constexpr int kSchemaVersion = 1;
 constexpr int kApplicationId = 0x50544e41;  // "PTNA": file(1) and a wrong database are told apart
 
-// Of a new catalogue. Every commit writes the pages it touched whole, and a shot's rows touch
-// twenty pages, hardly a tenth of each: small ones are a quarter of the bytes. See
-// docs/decisions/0007.
-constexpr int kPageBytes = 1024;
-// Before the first table; an older catalogue keeps its own.
-void setPageSize(Database& fresh);
-
 enum class Durability { kFull, kNormal /* a mutant of the tests */ };
 
 // Settings of a connection that writes: WAL, foreign keys, short waits, sane checkpoints.

@@ -56,21 +56,6 @@ TEST_F(SchemaTest, ANewerSchemaIsRefusedWithBothVersions) {
   }
 }
 
-std::int64_t pageBytes(const std::filesystem::path& archive) {
-  Database database(archive / "catalog.sqlite", Database::Access::kRead, realFileOps());
-  return database.number("PRAGMA page_size");
-}
-
-TEST_F(SchemaTest, ANewOrRebuiltCatalogueHasSmallPagesAndAnOldOneKeepsItsOwn) {
-  EXPECT_EQ(pageBytes(path_), kPageBytes);
-  change("PRAGMA journal_mode=DELETE; PRAGMA page_size=4096; VACUUM");
-  { Archive archive(optionsFor(path_)); }
-  EXPECT_EQ(pageBytes(path_), 4096);
-  Progress progress;
-  rebuild(path_, progress);
-  EXPECT_EQ(pageBytes(path_), kPageBytes);
-}
-
 TEST_F(SchemaTest, AnEmptyDatabaseBecomesACatalogue) {
   Database empty(folder_ / "empty.sqlite", Database::Access::kCreate, realFileOps());
   migrate(empty);
