@@ -12,7 +12,7 @@ namespace patina {
 // Any raw file. About 0.2 ms for the smallest.
 RawMosaic decodeRawByLibRaw(std::span<const std::byte> file, const PictureLimits& limits);
 
-// What encodeDng wrote (it signs as software "Patina"), without any library, in a hundredth of the time;
+// What encodeDng wrote (it signs as software "Patina"), without any library;
 // nothing for every other file.
 std::optional<RawMosaic> decodeOwnDng(std::span<const std::byte> file, const PictureLimits& limits);
 
