@@ -174,4 +174,14 @@ Forecast forecast(const Plan& plan, const devices::RigSpec& rig, const ForecastI
   return out;
 }
 
+std::optional<Nanoseconds> fullIn(std::uint64_t free_bytes, std::uint64_t reserve_bytes,
+                                  std::int64_t bytes_a_step, std::int64_t steps_left,
+                                  Nanoseconds interval) {
+  if (bytes_a_step <= 0) return std::nullopt;
+  const std::uint64_t room = free_bytes > reserve_bytes ? free_bytes - reserve_bytes : 0;
+  const auto steps = static_cast<std::int64_t>(room / static_cast<std::uint64_t>(bytes_a_step));
+  if (steps >= steps_left) return std::nullopt;
+  return steps * interval;
+}
+
 }  // namespace patina::capture

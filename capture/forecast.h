@@ -33,5 +33,10 @@ struct Forecast {
   std::vector<std::string> warnings;  // each one line; empty: nothing speaks against it
 };
 Forecast forecast(const Plan& plan, const devices::RigSpec& rig, const ForecastInputs& inputs);
+// When the disk will be full, if that comes before `steps_left` steps are taken; hours outside the
+// windows are counted as if they were worked.
+std::optional<Nanoseconds> fullIn(std::uint64_t free_bytes, std::uint64_t reserve_bytes,
+                                  std::int64_t bytes_a_step, std::int64_t steps_left,
+                                  Nanoseconds interval);
 
 }  // namespace patina::capture

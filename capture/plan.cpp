@@ -155,12 +155,7 @@ void takeDiskAfterAlerts(ConfigTable& root, Plan& plan) {
         after->reject("steps", "\"" + step + "\" is not one of ttf, film");
     after->finish();
   }
-  if (auto alerts = root.takeTable("alerts")) {
-    plan.alerts = alerts->takeStrings("to", std::vector<std::string>{"log"});
-    for (const std::string& to : plan.alerts)
-      if (to != "log") alerts->reject("to", "\"" + to + "\" is not one of log");
-    alerts->finish();
-  }
+  plan.alerts = takeAlerts(root, plan.interval);
 }
 
 void checkSweepFits(const ConfigTable& root, const Plan& plan) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/alert_settings.h"
 #include "devices/camera.h"
 #include "devices/config_file.h"
 #include "devices/rig.h"
@@ -42,7 +43,7 @@ struct Plan {
   LatePolicy late = LatePolicy::kSkip;
   std::uint64_t disk_reserve_bytes = 0;
   std::vector<std::string> after;  // "ttf" "film"
-  std::vector<std::string> alerts;
+  AlertSettings alerts;
   std::string toml, sha256;  // as read
   std::filesystem::path source;
 };

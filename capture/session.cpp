@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "capture/forecast.h"
 #include "capture/scheduler.h"
 #include "capture/step_runner.h"
 #include "capture/windows.h"
@@ -15,6 +16,7 @@ using namespace std::chrono_literals;
 constexpr int kWholeStepsToLearnFrom = 6;
 constexpr std::size_t kRowsACommit = 10'000;
 constexpr Nanoseconds kAwakeEvery = 15s, kAskEvery = 250ms;
+constexpr Nanoseconds kWarnOfFullDisk = 24h;
 
 Now nowOf(const devices::Clock& clock) { return {clock.utc(), clock.mono(), clock.bootId()}; }
 
@@ -73,6 +75,8 @@ class Session {
   void shootByHand(const Decision& waiting_for);
   void decideWithout(const Decision& d, db::Decision decision, const std::string& reason);
   bool diskHasRoom();
+  void watchDisk();
+  Moment moment() const { return {clock_.utc(), clock_.mono()}; }
   void diskIsFull(const std::string& why);
   bool retryRows();
   void record(const db::StepRow& row) {
@@ -179,6 +183,7 @@ void Session::count(const db::StepRow& row) {
 }
 
 void Session::tell(const std::string& note) {
+  runner_.alerts().look(moment());
   status_.now_utc = clock_.utc();
   status_.next_due_utc = dueUtc(plan_, state_, state_.next_number);
   status_.light = runner_.lightSummary();
@@ -190,8 +195,10 @@ void Session::watchClock() {
   const Now now = nowOf(clock_);
   if (const auto step = clockStep(state_, now)) {
     acceptClockStep(state_, *step);
-    tryEvent("clock_step", "wall time stepped by " + std::to_string(toSeconds(*step)) +
-                               " s; steps keep their rhythm");
+    const std::string what =
+        "wall time stepped by " + std::to_string(toSeconds(*step)) + " s; steps keep their rhythm";
+    tryEvent("clock_step", what);
+    runner_.alerts().occurred(AlertKind::kClockStep, "", what, moment());
     tryEvent("anchor", formatAnchor(state_.anchor));
   }
 }
@@ -218,6 +225,8 @@ void Session::wait(const Decision& d) {
   while (clock_.mono() < until && !hooks_.stop.stop_requested()) {
     if (hooks_.shoot_now && hooks_.shoot_now->exchange(false)) return shootByHand(d);
     state_.awake_mono = clock_.mono();
+    runner_.alerts().look(moment());
+    if (hooks_.on_alive) hooks_.on_alive();
     clock_.sleepUntil(std::min(until, clock_.mono() + piece), hooks_.stop);
   }
   if (until < d.due_mono) runner_.keepAwake();
@@ -229,7 +238,20 @@ bool Session::diskHasRoom() {
          plan_.disk_reserve_bytes + static_cast<std::uint64_t>(runner_.bytesAStep());
 }
 
+void Session::watchDisk() {
+  const auto full = fullIn(status_.disk_free_bytes, plan_.disk_reserve_bytes, runner_.bytesAStep(),
+                           status_.steps - status_.step, plan_.interval);
+  if (full && *full < kWarnOfFullDisk)
+    runner_.alerts().raise(AlertKind::kDiskFilling, "",
+                           "full in " + formatLasted(*full) + ", before the run is over: " +
+                               formatBytes(status_.disk_free_bytes) + " free",
+                           moment());
+  else
+    runner_.alerts().clear(AlertKind::kDiskFilling, "", moment());
+}
+
 void Session::diskIsFull(const std::string& why) {
+  runner_.alerts().raise(AlertKind::kDiskFull, "", why, moment());
   if (disk_full_) return;
   disk_full_ = true;
   tryEvent("disk", "no new captures: " + why);
@@ -268,6 +290,7 @@ bool Session::retryRows() {
 
 void Session::decideWithout(const Decision& d, db::Decision decision, const std::string& reason) {
   const MonoTime now = clock_.mono();
+  if (decision == db::Decision::kSkipped) runner_.alerts().stepDue(d.due_mono, plan_.interval);
   for (std::int64_t k = d.number; k < d.number + d.count; ++k) {
     state_.next_number = k + 1;
     db::StepRow row;
@@ -315,6 +338,9 @@ void Session::shoot(const Decision& d) {
     decideWithout(one, db::Decision::kSkipped, "disk");
     return;
   }
+  watchDisk();
+  runner_.alerts().clear(AlertKind::kDiskFull, "", moment());
+  runner_.alerts().stepDue(d.due_mono, plan_.interval);
   if (disk_full_) {
     disk_full_ = false;
     runner_.event("disk", "room again: captures go on");

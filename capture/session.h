@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <string>
 
+#include "capture/alerts.h"
 #include "capture/failure.h"
 #include "capture/plan.h"
 #include "db/archive.h"
@@ -29,6 +30,8 @@ struct SessionStatus {
 struct SessionHooks {
   std::function<void(const SessionStatus&)> on_status;
   std::function<void(const db::FrameRow&)> on_acknowledged;  // after the promise
+  std::function<void(const AlertNews&)> on_alert;            // what a person should know
+  std::function<void()> on_alive;                            // every 15 s at least, but in a shot
   std::atomic<bool>* shoot_now = nullptr;  // SIGUSR1: a manual shot at the next safe point
   std::stop_token stop;                    // SIGTERM: finishes the frame and stops
 };

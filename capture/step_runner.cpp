@@ -31,7 +31,9 @@ StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive
       hooks_(hooks),
       lamps_(rig, clock),
       gate_(plan.light_check, rig.spec.sensors, run_id),
-      alerts_([this](UtcTime, const std::string& detail) { event("alarm", detail); }) {
+      alerts_(
+          plan.alerts.rules, [this](UtcTime, const std::string& detail) { event("alarm", detail); },
+          hooks.on_alert) {
   for (const auto& camera : rig.cameras)
     units_.push_back(std::make_unique<CameraUnit>(*camera, patchOf(rig.spec, camera->caps().id)));
   shots_due_ = shotsAStep(plan, rig.spec);
@@ -104,10 +106,10 @@ void StepRunner::readSensors() {
       row.value = reading->value;
       row.utc = reading->utc;
       row.quality = reading->saturated ? "saturated" : "ok";
-      alerts_.clear("sensor " + caps.id, clock_.utc());
+      alerts_.clear(AlertKind::kSensorSilent, caps.id, moment());
     } else {
       row.quality = "silent";
-      alerts_.raise("sensor " + caps.id, reading.error().what, clock_.utc());
+      alerts_.raise(AlertKind::kSensorSilent, caps.id, reading.error().what, moment());
       static_cast<void>(sensor->recover());
     }
     rows.push_back(std::move(row));
@@ -137,11 +139,11 @@ bool StepRunner::ambientIsFine() {
   if (!verdict.rows.empty()) archive_.addLightChecks(verdict.rows);
   log_.checks(verdict.rows);
   if (!verdict.blocks) {
-    alerts_.clear("surroundings", clock_.utc());
+    alerts_.clear(AlertKind::kSensorBand, "", moment());
     return true;
   }
   now_.light_trouble = verdict.reason;
-  alerts_.raise("surroundings", verdict.reason, clock_.utc());
+  alerts_.raise(AlertKind::kSensorBand, "", verdict.reason, moment());
   return false;
 }
 

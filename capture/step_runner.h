@@ -74,6 +74,7 @@ class StepRunner {
     bool row_written = false;
   };
 
+  Moment moment() const { return {clock_.utc(), clock_.mono()}; }
   std::vector<Group> groups();
   void readSensors();
   bool ambientIsFine();
@@ -85,6 +86,8 @@ class StepRunner {
   void inspect(Attempt& attempt, const Group& group);
   GateVerdict judge(const Group& group, const std::vector<Attempt>& attempts);
   void accept(Attempt& attempt, Group& group, std::span<const db::LightCheckRow> checks);
+  void watchLight(const std::string& state, const GateVerdict& verdict);
+  void watchClipping(const Attempt& attempt, const std::string& state);
   void fail(Attempt& attempt, const devices::Error& error);
   void reject(std::vector<Attempt>& attempts, const GateVerdict& verdict);
   void dropCamerasThatAreDown(Group& group);

@@ -8,6 +8,18 @@ namespace patina::capture {
 namespace {
 
 constexpr double kClippingBegins = 0.01, kClippingEnds = 0.005;  // share of a picture's samples
+constexpr double kDarkLevel = 0.004, kDarkShare = 0.1;  // of full scale; of the light that was
+
+// No reference patch sees any light: more than a lamp that changed.
+bool isDark(const GateVerdict& verdict) {
+  bool seen = false;
+  for (const db::LightCheckRow& row : verdict.rows) {
+    if (!row.source.starts_with("patch:")) continue;
+    if (row.level >= std::max(kDarkLevel, kDarkShare * row.baseline)) return false;
+    seen = true;
+  }
+  return seen;
+}
 
 }  // namespace
 
@@ -113,10 +125,12 @@ void StepRunner::fail(Attempt& a, const devices::Error& error) {
   now_.device_trouble = a.unit->id() + ": " + a.unit->ladder().lastError();
   if (was_down) return;  // said once; the alarm says when it is over
   if (a.unit->ladder().down())
-    alerts_.raise("camera " + a.unit->id() + " down", error.what, clock_.utc());
+    alerts_.raise(AlertKind::kCameraDown, a.unit->id(), error.what, moment());
   else
     event("recover", a.unit->id() + ": " + devices::name(a.unit->ladder().rung()) + " after " +
                          a.unit->ladder().lastError());
+  if (a.unit->ladder().rung() >= devices::Rung::kReopen && !a.unit->ladder().down())
+    alerts_.occurred(AlertKind::kDriverRestart, a.unit->id(), error.what, moment());
 }
 
 void StepRunner::reject(std::vector<Attempt>& attempts, const GateVerdict& verdict) {
@@ -166,25 +180,43 @@ void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheck
 
   a.unit->frames().remember(a.check);
   a.unit->succeeded();
-  alerts_.clear("camera " + a.unit->id() + " down", clock_.utc());
-  const std::string clipping = "clipping " + a.unit->id() + " " + group.state;
-  if (a.check.saturated_fraction > kClippingBegins)
-    alerts_.raise(clipping, std::to_string(a.check.saturated_fraction * 100) + " % of the samples",
-                  clock_.utc());
-  else if (a.check.saturated_fraction < kClippingEnds)
-    alerts_.clear(clipping, clock_.utc());
+  alerts_.acknowledged(moment());
+  alerts_.clear(AlertKind::kCameraDown, a.unit->id(), moment());
+  watchClipping(a, group.state);
   for (const CheckedFrame& f : a.check.frames)
     if (!f.frame->card_handle.empty()) static_cast<void>(a.unit->camera().release(*f.frame));
+}
+
+void StepRunner::watchClipping(const Attempt& a, const std::string& state) {
+  const std::string where = a.unit->id() + " " + state;
+  const double percent = a.check.saturated_fraction * 100;
+  if (a.check.saturated_fraction > kClippingBegins)
+    alerts_.raise(AlertKind::kClipping, where, std::to_string(percent) + " % of the samples",
+                  moment());
+  else if (a.check.saturated_fraction < kClippingEnds)
+    alerts_.clear(AlertKind::kClipping, where, moment());
+}
+
+// One cause, one condition: a lamp that gives no light is not told as one that changed.
+void StepRunner::watchLight(const std::string& state, const GateVerdict& verdict) {
+  std::optional<AlertKind> is;
+  if (verdict.blocks)
+    is = isDark(verdict) ? AlertKind::kLampDead : AlertKind::kLightHeld;
+  else if (!verdict.reason.empty())
+    is = AlertKind::kLightDrifting;
+  for (const AlertKind kind :
+       {AlertKind::kLampDead, AlertKind::kLightHeld, AlertKind::kLightDrifting})
+    if (kind != is) alerts_.clear(kind, state, moment());
+  if (is) alerts_.raise(*is, state, verdict.reason, moment());
 }
 
 bool StepRunner::shoot(Group& group) {
   if (auto lit = light(group); !lit) {
     now_.device_trouble = lit.error().what;
-    alerts_.raise("light state " + group.state, lit.error().what, clock_.utc());
+    alerts_.raise(AlertKind::kLampDead, group.state, lit.error().what, moment());
     group.todo.clear();
     return true;
   }
-  alerts_.clear("light state " + group.state, clock_.utc());
   auto attempts = arm(group);
   expose(attempts);
   for (Attempt& a : attempts) inspect(a, group);
@@ -193,12 +225,8 @@ bool StepRunner::shoot(Group& group) {
   if (good == 0) return true;
 
   GateVerdict verdict = judge(group, attempts);
-  const std::string alarm = "light " + group.state;
   if (!verdict.summary.empty()) light_summary_ = verdict.summary;
-  if (!verdict.reason.empty())
-    alerts_.raise(alarm, verdict.reason, clock_.utc());
-  else
-    alerts_.clear(alarm, clock_.utc());
+  watchLight(group.state, verdict);
   if (verdict.blocks) {
     reject(attempts, verdict);
     return false;

@@ -111,5 +111,12 @@ TEST(Forecast, WarnsOfAnExposureTheCameraCannotMake) {
   EXPECT_THAT(c.run().warnings, Contains(HasSubstr("cannot expose 1/10")));
 }
 
+TEST(Forecast, SaysWhenTheDiskIsFullOnlyIfThatComesBeforeTheEnd) {
+  EXPECT_EQ(fullIn(1'000, 200, 100, 9, 10min), 80min);
+  EXPECT_EQ(fullIn(1'000, 200, 100, 8, 10min), std::nullopt);
+  EXPECT_EQ(fullIn(100, 200, 100, 1, 10min), 0min);
+  EXPECT_EQ(fullIn(100, 200, 0, 1, 10min), std::nullopt);
+}
+
 }  // namespace
 }  // namespace patina::capture

@@ -52,8 +52,8 @@ policy = "skip"
 reserve = "2GB"
 [after]
 steps = ["ttf", "film"]
-[alerts]
-to = ["log"]
+[alerts.camera_down]
+onset = "1min"
 [light_check]
 mode = "uncontrolled"
 )"),
@@ -70,6 +70,7 @@ mode = "uncontrolled"
   EXPECT_EQ(plan.light_check.mode, LightMode::kUncontrolled);
   EXPECT_EQ(plan.disk_reserve_bytes, 2'000'000'000u);
   EXPECT_EQ(plan.after.size(), 2u);
+  EXPECT_EQ(plan.alerts.rules[static_cast<std::size_t>(AlertKind::kCameraDown)].onset, 1min);
   EXPECT_EQ(plan.sha256.size(), 64u);
   EXPECT_EQ(shotsAStep(plan), 6);
 }

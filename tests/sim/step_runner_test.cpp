@@ -49,7 +49,7 @@ TEST(StepRunner, HoldsWhileALampIsDeadAndGoesOnByItself) {
   EXPECT_GT(back->held, 4min);
   EXPECT_GT(back->retries, 0);
   EXPECT_THAT(sim.reader().step(sim.run_id, 9)->reason, HasSubstr("light key: patch:cam0"));
-  EXPECT_THAT(sim.events("alarm").back().detail, HasSubstr("light key is over"));
+  EXPECT_THAT(sim.events("alarm").back().detail, HasSubstr("light key dead is over"));
   sim.expectWhole();
 }
 
