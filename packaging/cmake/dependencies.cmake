@@ -59,6 +59,8 @@ patina_import(json HEADER nlohmann/json.hpp)
 patina_import(cli11 HEADER CLI/CLI.hpp)
 patina_import(toml HEADER toml++/toml.h)
 patina_import(expected HEADER tl/expected.hpp)
+patina_import(curl HEADER curl/curl.h SUFFIXES ${CMAKE_LIBRARY_ARCHITECTURE} LIBRARIES curl)
+patina_import(mosquitto HEADER mosquitto.h LIBRARIES mosquitto)
 patina_import(muparser HEADER muParser.h LIBRARIES muparser)
 
 # gmock_main is an archive: a test that brings its own main() simply wins.

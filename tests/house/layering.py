@@ -25,8 +25,9 @@ TABLE = {
     "devices/twin": ["devices", "processing/brdf", "processing/mesh"],
     "db": ["processing/image"],
     "capture": ["devices", "db", "calibration"],
+    "capture/notify": ["capture"],
     "capture/workflow": ["db", "calibration", "processing/exchange"],
-    "capture/app": ["capture", "capture/workflow", "devices/*"],
+    "capture/app": ["capture", "capture/notify", "capture/workflow", "devices/*"],
 }
 TESTS = "tests"
 TOP = ["processing", "calibration", "devices", "db", "capture", TESTS]
@@ -40,7 +41,7 @@ CV_BRIDGE = "processing/image/cv_bridge.h"
 # Slow to compile, or with types that must not cross a room: only .cpp files include these.
 HEAVY = re.compile(
     r"^(opencv2/|sqlite3|gphoto2/|hdf5|H5|embree|libraw/|exiv2/|toml\+\+/|nlohmann/json\.hpp|CLI/|spdlog/|tiff|Imf|"
-    r"libav|libsw|muParser|openssl/)")
+    r"libav|libsw|muParser|openssl/|curl/|mosquitto)")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">\n]+)[">]', re.MULTILINE)
 # Numbers come first, or the digit separator in 1'000 would open a character literal.
 COMMENT_OR_LITERAL = re.compile(
