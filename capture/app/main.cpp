@@ -33,7 +33,7 @@ void print(const std::string& text) {
 void addVerbs(CommandLine& line) {
   for (const auto add : {addPlanVerbs, addRehearseVerb, addCaptureVerb, addImportVerb,
                          addArchiveVerbs, addLightVerbs, addCalibrateVerbs, addTtfVerbs,
-                         addFilmVerbs, addSheetVerbs, addSynthVerbs, addTwinVerbs})
+                         addFilmVerbs, addSheetVerbs, addSynthVerbs, addTwinVerbs, addAlertsVerbs})
     add(line.root());
 }
 

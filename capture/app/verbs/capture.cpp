@@ -2,6 +2,7 @@
 // patina capture PLAN: the plan now, in real time.
 #include "capture/app/verbs/run_session.h"
 #include "capture/app/verbs/verbs.h"
+#include "capture/notify/run_notices.h"
 
 namespace patina::app {
 namespace {
@@ -11,7 +12,21 @@ void runCapture(Context& context, const RunOptions& options) {
   OwnedArchive archive(context, options);
   const capture::RunStart start =
       capture::startRun(files.plan, files.rig, *archive, context.clock, {options.new_run, {}});
-  runToEnd(context, options, files, archive, context.clock, start);
+  namespace notify = capture::notify;
+  notify::Channels channels =
+      notify::openChannels(files.plan.alerts, notify::aboutOf(files.plan, files.rig, start.run_id),
+                           notify::inventoryOf(files.rig), notify::Mqtt::Purpose::kRun);
+  for (const std::string& problem : channels.problems)
+    context.warn("nothing will be told through " + problem);
+  notify::Dispatcher dispatcher(context.clock);
+  if (!channels.open.empty()) dispatcher.start();
+  notify::RunNotices notices(dispatcher, context.clock, files.plan, files.rig, start,
+                             std::move(channels.open));
+  runToEnd(context, options, files, archive, context.clock, start, &notices);
+  for (const notify::ChannelReport& report : notices.close())
+    if (report.dropped > 0)
+      context.warn(report.name + ": " + std::to_string(report.dropped) +
+                   " messages were not delivered: " + report.last_error);
 }
 
 }  // namespace

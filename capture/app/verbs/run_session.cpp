@@ -89,6 +89,11 @@ std::string statusLine(const capture::SessionStatus& status) {
   return line;
 }
 
+std::string alertLine(const capture::AlertNews& news) {
+  return formatUtc(news.utc) + "  " + name(news.severity) + ": " +
+         describe(news.kind, news.subject) + " " + name(news.event) + ": " + news.detail;
+}
+
 Item summaryItem(const capture::SessionSummary& summary, const capture::RunStart& start) {
   const capture::SessionStatus& last = summary.last;
   return std::move(Item()
@@ -145,7 +150,8 @@ OwnedArchive::OwnedArchive(const Context& context, const RunOptions& options,
 OwnedArchive::~OwnedArchive() = default;
 
 void runToEnd(Context& context, const RunOptions& options, const RunFiles& files,
-              OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start) {
+              OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start,
+              capture::notify::RunNotices* notices) {
   const AckLog acks(options.log_acks);
   std::stop_source stop;
   capture::SessionHooks hooks;
@@ -155,17 +161,28 @@ void runToEnd(Context& context, const RunOptions& options, const RunFiles& files
     context.progress.status(statusLine(status));
   };
   hooks.on_acknowledged = [&](const db::FrameRow& frame) { acks.take(start.run_id, frame); };
+  int alerts = 0;
+  hooks.on_alert = [&](const capture::AlertNews& news) {
+    if (news.event == capture::AlertEvent::kBegins) ++alerts;
+    context.verbose(alertLine(news));
+  };
+  if (notices) notices->hookInto(hooks);
   if (start.resumed) context.verbose("going on with " + start.run_id);
   capture::SessionSummary summary;
-  {
+  try {
     devices::Rig rig = openRig(files, start, clock);
     context.signals.onStop([&stop] { stop.request_stop(); });
     summary = capture::runSession(files.plan, rig, *archive, clock, start, hooks);
+  } catch (const Failure& failure) {
+    if (notices) notices->failed(failure);
+    throw;
   }
+  if (notices) notices->ended(summary);
   context.progress.clear();
   Progress& progress = context.progress;
   context.signals.onStop([&progress] { progress.askToStop(); });
   Item item = summaryItem(summary, start);
+  item.set("alerts", alerts);
   if (summary.end == "finished") return finishAfter(context, files, start.run_id, std::move(item));
   context.out.asList();
   context.out.add(std::move(item));

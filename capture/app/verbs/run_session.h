@@ -10,6 +10,7 @@
 #include <string>
 
 #include "capture/app/context.h"
+#include "capture/notify/run_notices.h"
 #include "capture/plan.h"
 #include "capture/session.h"
 #include "capture/workflow/after_run.h"
@@ -48,9 +49,10 @@ class OwnedArchive {
 };
 
 // Runs the session to its end, then the steps after it, and prints the summary. `after_clock` is
-// what products are dated by.
+// what products are dated by. Without `notices` nobody is told: a rehearsal rouses no one.
 void runToEnd(Context& context, const RunOptions& options, const RunFiles& files,
-              OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start);
+              OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start,
+              capture::notify::RunNotices* notices = nullptr);
 // Only the steps after: for a run that ended before them.
 void finishAfter(Context& context, const RunFiles& files, const std::string& run_id, Item item);
 

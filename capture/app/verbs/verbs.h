@@ -6,6 +6,7 @@
 
 namespace patina::app {
 
+void addAlertsVerbs(Verb root);
 void addPlanVerbs(Verb root);
 void addRehearseVerb(Verb root);
 void addCaptureVerb(Verb root);
