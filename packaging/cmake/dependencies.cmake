@@ -61,6 +61,7 @@ patina_import(toml HEADER toml++/toml.h)
 patina_import(expected HEADER tl/expected.hpp)
 patina_import(curl HEADER curl/curl.h SUFFIXES ${CMAKE_LIBRARY_ARCHITECTURE} LIBRARIES curl)
 patina_import(mosquitto HEADER mosquitto.h LIBRARIES mosquitto)
+patina_import(microhttpd HEADER microhttpd.h LIBRARIES microhttpd)
 patina_import(muparser HEADER muParser.h LIBRARIES muparser)
 
 # gmock_main is an archive: a test that brings its own main() simply wins.

@@ -27,7 +27,8 @@ TABLE = {
     "capture": ["devices", "db", "calibration"],
     "capture/notify": ["capture"],
     "capture/workflow": ["db", "calibration", "processing/exchange"],
-    "capture/app": ["capture", "capture/notify", "capture/workflow", "devices/*"],
+    "capture/app/http": ["devices"],
+    "capture/app": ["capture", "capture/notify", "capture/workflow", "devices/*", "capture/app/http"],
 }
 TESTS = "tests"
 TOP = ["processing", "calibration", "devices", "db", "capture", TESTS]
@@ -54,10 +55,10 @@ def room_of(path):
     folder = path.rsplit("/", 1)[0] if "/" in path else ""
     if folder.split("/")[0] == TESTS:
         return TESTS
-    if folder.startswith("capture/app/"):
-        return "capture/app"
     if folder in TABLE:
         return folder
+    if folder.startswith("capture/app/"):
+        return "capture/app"
     parent = folder.rsplit("/", 1)[0] + "/*"
     return folder if parent in TABLE else None
 
