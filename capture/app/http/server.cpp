@@ -5,6 +5,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <future>
 #include <stop_token>
@@ -24,7 +25,7 @@ namespace patina::http {
 namespace {
 
 constexpr int kNiceness = 10;  // below capture, which runs at 0 or better
-constexpr std::size_t kPemBytesMax = 256 << 10, kEpochDigits = 8;
+constexpr std::size_t kEpochDigits = 8;
 
 // For this thread and those it makes. Signals are for the thread that waits for them.
 void stepBack() {
@@ -32,13 +33,6 @@ void stepBack() {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, nullptr);
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness);
-}
-
-std::string readPem(const std::filesystem::path& file) {
-  if (file.empty()) return {};
-  auto text = readPrivateFile(file, kPemBytesMax);
-  if (!text) throw HttpError(Exit::kConfig, file.string() + ": is not there");
-  return *text;
 }
 
 // Nothing is read, bound or written when the options do not go together.
@@ -93,8 +87,10 @@ class Server::Impl {
   bool overTls() const { return !options_.tls_key.empty() || options_.behind_proxy; }
 
   void bindSockets() {
-    certificate_ = readPem(options_.tls_certificate);
-    key_ = readPem(options_.tls_key);
+    if (!options_.tls_key.empty()) {
+      certificate_ = readCertificate(options_.tls_certificate);
+      key_ = readKey(options_.tls_key);
+    }
     if (!options_.listen.empty()) {
       tcp_ = listenOnTcp(options_.listen, options_.port);
       port_ = portOf(tcp_);
@@ -166,8 +162,9 @@ class Server::Impl {
       if (unix_.fd() >= 0)
         local = std::make_unique<Listener>(std::move(unix_), unixOptions(), desk);
       is_started = true;
+      const MonoTime begun = clock_.mono();
       started.set_value();
-      keepHouse(stop);
+      keepHouse(stop, begun);
     } catch (...) {
       // Later, only a process without a free descriptor comes here. It serves no longer; capture
       // goes on.
@@ -194,11 +191,12 @@ class Server::Impl {
             .tls_key = {}};
   }
 
-  void keepHouse(const std::stop_token& stop) {
+  void keepHouse(const std::stop_token& stop, MonoTime begun) {
     constexpr std::chrono::seconds kRound{1};
-    MonoTime beat_due = clock_.mono() + options_.limits.heartbeat;
-    for (MonoTime due = clock_.mono() + kRound; clock_.sleepUntil(due, stop) == devices::Wake::kDue;
-         due = clock_.mono() + kRound) {
+    MonoTime beat_due = begun + options_.limits.heartbeat;
+    // A round that was late is followed by another at once, never by a run of those it missed.
+    for (MonoTime due = begun + kRound; clock_.sleepUntil(due, stop) == devices::Wake::kDue;
+         due = std::max(due + kRound, clock_.mono())) {
       const Connections::Shut shut = connections_.shutLate(clock_.mono());
       metrics_.counter("patina_http_late_total").add(static_cast<double>(shut.late));
       if (shut.streams > 0) events_->nudge();

@@ -45,5 +45,17 @@ TEST(PrivateFile, RefusesALinkAFolderAndWhatIsTooLarge) {
   EXPECT_FALSE(readPrivateFile(folder / "nothing", 100));
 }
 
+TEST(ReadKey, RefusesAKeyThatEverybodyMayReadAndFollowsLinks) {
+  const auto folder = testing::TempFolder::inMemory();
+  testing::writeFile(folder / "pem", "text");
+  ASSERT_EQ(symlink("pem", (folder / "link").c_str()), 0);
+  chmod((folder / "pem").c_str(), 0640);
+  EXPECT_EQ(readKey(folder / "link"), "text");
+  chmod((folder / "pem").c_str(), 0644);
+  EXPECT_THROW(readKey(folder / "link"), HttpError);
+  EXPECT_EQ(readCertificate(folder / "link"), "text");
+  EXPECT_THROW(readCertificate(folder / "nothing"), HttpError);
+}
+
 }  // namespace
 }  // namespace patina::http
