@@ -190,6 +190,8 @@ class Listener::Impl {
       exchange.body_share = desk_.budget.take(admission.body_bytes_expected);
       if (!exchange.body_share)
         admission.refusal = errorResponse(503, Exit::kTemporary, "too much is sent at once: retry");
+      else
+        admission.request.body.reserve(admission.body_bytes_expected);  // growing would double it
     }
     if (admission.refusal)
       return send(connection, exchange, std::move(*std::exchange(admission.refusal, {})));
