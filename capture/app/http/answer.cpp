@@ -89,7 +89,7 @@ Answer AnswerMaker::fromBody(Response response) const {
   MHD_Response* const to = MHD_create_response_from_buffer_with_free_callback_cls(
       held->body.size(), held->body.data(), &release, held.get());
   if (to == nullptr) return {};
-  held.release();
+  static_cast<void>(held.release());  // release() deletes it
   addHeaders(to, response);
   return {to, response.status, bytes};
 }
