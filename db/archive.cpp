@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "db/archive.h"
 
+#include <cerrno>
 #include <utility>
 
 #include "db/archive_state.h"
@@ -23,6 +24,13 @@ RowId idOr(Database& database, const char* sql, const std::string& key, RowId fr
   Statement statement(database, sql);
   statement.bind(1, key);
   return statement.step() ? statement.integer(0) : fresh;
+}
+
+bool holdsFrames(const std::filesystem::path& archive) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(archive / "frames", error))
+    if (entry.is_regular_file(error)) return true;
+  return false;
 }
 
 }  // namespace
@@ -54,7 +62,13 @@ Archive::Archive(const ArchiveOptions& options) : state_(std::make_unique<State>
   state_->prepare();
   std::error_code error;
   const auto bytes = std::filesystem::file_size(state_->options.folder / "catalog.sqlite", error);
-  if ((error || bytes == 0) && !journalNames(state_->options.folder).empty()) {
+  if (error || bytes == 0) {
+    // An empty catalogue would make strangers of all frames.
+    if (journalNames(state_->options.folder).empty() && holdsFrames(state_->options.folder))
+      throw ArchiveError(Exit::kBadData,
+                         options.folder.string() +
+                             " has frames but neither catalogue nor journals: 'patina archive "
+                             "rebuild' makes a catalogue of what the frames tell");
     Progress silent;
     rebuildCatalogue(*state_, silent);
   }
@@ -68,21 +82,25 @@ const RecoveryReport& Archive::recovery() const { return state_->report; }
 const ArchiveReader& Archive::reader() const { return *state_->reader; }
 
 void Archive::beginRun(const RunRow& run, const SpecimenRow& specimen) {
-  State& s = *state_;
+  state_->beginRun(run, specimen);
+}
+
+void Archive::State::beginRun(const RunRow& run, const SpecimenRow& specimen) {
+  State& s = *this;
   s.checkUsable();
   checkRunId(run.id);
   RunRecord record{run, 0, 0};
   record.row.number = s.database->number("SELECT max(number) FROM run") + 1;
   commitShared(*s.database, *s.writer, s.journalOf({}), *s.files, s.options.folder,
-               [&](Change& change, CatalogueWriter& writer) {
+               [&](Change& change, CatalogueWriter& rows) {
                  SpecimenRow of = specimen;
                  if (of.name.empty()) of.name = run.specimen;
                  of.id = record.specimen_id =
                      idOr(*s.database, "SELECT id FROM specimen WHERE name = ?", of.name,
-                          writer.nextId("specimen"));
+                          rows.nextId("specimen"));
                  RigRecord rig{0, run.rig, sha256(run.rig_toml).hex(), run.rig_toml};
                  rig.id = record.rig_id = idOr(*s.database, "SELECT id FROM rig WHERE sha256 = ?",
-                                               rig.sha256, writer.nextId("rig"));
+                                               rig.sha256, rows.nextId("rig"));
                  change.add(How::kUpsert, of);
                  change.add(How::kUpsert, rig);
                });
@@ -200,10 +218,13 @@ void Archive::quarantine(std::span<const std::byte> bytes, const std::string& ex
   state_->addEvent(why);
 }
 
+void Archive::renewReserve() { state_->keepReserve(); }
+
 Space Archive::space() const {
   Space space;
-  checkDisk(state_->files->space(state_->options.folder, &space), "looking at",
-            state_->options.folder);
+  const int got = state_->files->space(state_->options.folder, &space);
+  if (got == -ENOENT) throwGone(state_->options.folder);
+  checkDisk(got, "looking at", state_->options.folder);
   return space;
 }
 

@@ -14,11 +14,13 @@
 #include <string>
 #include <vector>
 
+#include "db/archive_care.h"
+#include "db/archive_reader.h"
 #include "db/failure.h"
 #include "db/file_ops.h"
+#include "db/product_writer.h"
 #include "db/rows.h"
 #include "processing/image/picture_file.h"
-#include "processing/image/progress.h"
 
 namespace patina::db {
 
@@ -56,56 +58,10 @@ struct PendingFrame {
   double saturated_fraction = 0;
 };
 
-struct RecoveryReport {
-  int tmp_swept = 0, rows_from_journal = 0, frames_adopted = 0, frames_quarantined = 0,
-      shots_lost = 0, frames_missing = 0;
-};
-
 struct RunState {  // what a restarted session needs
   RunRow run;
   std::optional<std::int64_t> last_number;  // of the steps that have a row
   std::optional<StepRow> unfinished;        // pending: the process died in it
-};
-
-// Read side: any process, any time, also while another one captures. Thread-bound.
-class ArchiveReader {
- public:
-  explicit ArchiveReader(const std::filesystem::path& folder);  // ArchiveError if there is none
-  ~ArchiveReader();
-  ArchiveReader(ArchiveReader&&) noexcept;
-
-  const std::filesystem::path& folder() const;
-  std::vector<RunRow> runs() const;                              // in the order they were added
-  RunRow findRun(const std::string& id_prefix_or_latest) const;  // kUsage with the choices
-  std::vector<StepRow> steps(const std::string& run_id, std::optional<Decision> = {}) const;
-  std::optional<StepRow> step(const std::string& run_id, std::int64_t number) const;
-  std::vector<ShotRow> shotsOfStep(RowId step_id) const;
-  std::vector<FrameRow> framesOfStep(RowId step_id) const;
-  std::optional<FrameRow> newestFrame(const std::string& run_id) const;
-  std::vector<FrameRow> framesBetween(const std::string& run_id, UtcTime from, UtcTime to) const;
-  std::vector<LightCheckRow> lightChecks(const std::string& run_id) const;
-  std::vector<LightCheckRow> lightChecksOfShot(RowId shot_id) const;
-  std::vector<ReadingRow> readings(const std::string& run_id) const;
-  std::vector<EventRow> events(const std::string& run_id) const;
-  std::vector<CalibrationRow> calibrations(const std::string& kind = {}) const;
-  std::vector<ProductRow> products(const std::string& kind = {}) const;
-  // Every captured shot of a run with its frame and step, in order of step; streamed.
-  struct CapturedFrame {
-    StepRow step;
-    ShotRow shot;
-    FrameRow frame;
-  };
-  void eachFrame(const std::string& run_id, const std::function<void(const CapturedFrame&)>&) const;
-
-  std::filesystem::path pathOf(const FrameRow& frame) const;
-  Bytes read(const FrameRow& frame) const;  // checks the hash: kBadData when it does not match
-
-  struct State;  // of db/ itself
-
- private:
-  friend class Archive;
-  explicit ArchiveReader(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
 };
 
 // The one owner (flock, dies with the process). Opens or creates, migrates, recovers. Thread-bound.
@@ -146,32 +102,13 @@ class Archive {
   void quarantine(std::span<const std::byte> bytes, const std::string& ext, const EventRow& why);
 
   Space space() const;
+  // After a full disk: the file that is given up for the last rows of the next one.
+  void renewReserve();
 
   struct State;  // of db/ itself
 
  private:
   std::unique_ptr<State> state_;
 };
-
-// Products are added by any process in short transactions beside a capturing one.
-struct ProductWriter {
-  static std::filesystem::path folderFor(const std::filesystem::path& archive,
-                                         const std::string& id);
-  static void add(const std::filesystem::path& archive, const ProductRow& product);
-  static RowId addCalibration(const std::filesystem::path& archive, const CalibrationRow& row);
-  static void bind(const std::filesystem::path& archive, std::span<const FrameCalibrationRow> rows);
-};
-
-struct VerifyProblem {
-  std::string what;  // "missing" "hash" "size" "row" "journal" "orphan"
-  std::string path, detail;
-};
-struct VerifyReport {
-  std::int64_t frames = 0, bytes = 0, rows = 0;
-  std::vector<VerifyProblem> problems;
-};
-VerifyReport verify(const std::filesystem::path& archive, Progress& progress);
-// A new catalogue from journal and frames, built beside the old one and exchanged whole.
-RecoveryReport rebuild(const std::filesystem::path& archive, Progress& progress);
 
 }  // namespace patina::db

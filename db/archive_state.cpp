@@ -8,6 +8,7 @@
 #include "db/errors.h"
 #include "db/lock.h"
 #include "db/schema.h"
+#include "processing/image/random.h"
 
 namespace patina::db {
 namespace {
@@ -208,11 +209,12 @@ void Archive::State::keepReserve() {
   const auto path = options.folder / "reserve";
   std::unique_ptr<File> file;
   if (files->open(path, FileOps::Mode::kCreate, &file) < 0) return;
-  const Bytes zeros(kReserveBytes);
-  const std::int64_t got = file->write(zeros, 0);
+  Bytes noise(kReserveBytes);  // zeros would take no room where the file system compresses
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::byte>(hashSeed(i));
+  const std::int64_t got = file->write(noise, 0);
   file.reset();
   // Half a reserve on a nearly full disk would only be in the way.
-  if (got != static_cast<std::int64_t>(zeros.size())) files->remove(path);
+  if (got != static_cast<std::int64_t>(noise.size())) files->remove(path);
 }
 
 bool Archive::State::giveUpReserve() { return files->remove(options.folder / "reserve") == 0; }

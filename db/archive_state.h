@@ -86,6 +86,8 @@ struct Archive::State {
   void keepReserve();  // a file that can be given up, so that the end can be noted on a full disk
   bool giveUpReserve();
 
+  void beginRun(const RunRow& run, const SpecimenRow& specimen);
+
   void prepare();        // folders, lock, probe
   void openCatalogue();  // after prepare()
   void loadIds();
@@ -97,6 +99,9 @@ void recover(Archive::State& state);
 // Of the `limit` newest frames: whose file is gone is marked so, whose is back is no longer.
 void markMissing(Archive::State& state, std::int64_t limit);
 // catalog.sqlite anew from the journals, exchanged whole. Between prepare() and openCatalogue().
-void rebuildCatalogue(Archive::State& state, Progress& progress);
+// False when no catalogue could be read that vouches for the journals' being whole.
+bool rebuildCatalogue(Archive::State& state, Progress& progress);
+// Rows for the frames and products that no row names, as far as the files tell: rebuild().
+void adoptFiles(Archive::State& state, Progress& progress);
 
 }  // namespace patina::db

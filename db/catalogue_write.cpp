@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "db/catalogue_write.h"
 
+#include <algorithm>
+
 #include "db/failure.h"
 
 namespace patina::db {
@@ -74,7 +76,11 @@ std::int64_t CatalogueWriter::markOf(const std::string& journal) {
 }
 
 RowId CatalogueWriter::nextId(const char* table) {
-  return database_.number(std::string("SELECT max(id) FROM ") + table) + 1;
+  return std::max<RowId>(0, database_.number(std::string("SELECT max(id) FROM ") + table)) + 1;
+}
+
+RowId CatalogueWriter::lowestId(const char* table) {
+  return std::min<RowId>(0, database_.number(std::string("SELECT min(id) FROM ") + table));
 }
 
 }  // namespace patina::db

@@ -40,7 +40,8 @@ class CatalogueWriter {
 
   void mark(const std::string& journal, std::int64_t bytes);
   std::int64_t markOf(const std::string& journal);
-  RowId nextId(const char* table);  // largest + 1
+  RowId nextId(const char* table);    // largest + 1; a visitor counts below 0
+  RowId lowestId(const char* table);  // 0 when no visitor has left a row
 
  private:
   template <class Row>

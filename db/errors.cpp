@@ -25,4 +25,10 @@ void throwDiskError(int error, const std::string& doing, const std::filesystem::
   }
 }
 
+void throwGone(const std::filesystem::path& archive) {
+  throw ArchiveError(Exit::kIo, "the archive " + archive.string() +
+                                    " is gone: was its disk unplugged or unmounted? Bring it back "
+                                    "and start again; what was acknowledged is on it");
+}
+
 }  // namespace patina::db

@@ -13,6 +13,8 @@ namespace patina::db {
 // `error` is a positive errno. DiskFull for ENOSPC and EDQUOT; the exit code follows failure.h.
 [[noreturn]] void throwDiskError(int error, const std::string& doing,
                                  const std::filesystem::path& path);
+// The archive's own folders are not where they were: kIo.
+[[noreturn]] void throwGone(const std::filesystem::path& archive);
 // 0 or a count passes, -errno throws.
 inline void checkDisk(std::int64_t answer, const std::string& doing,
                       const std::filesystem::path& path) {

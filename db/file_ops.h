@@ -23,6 +23,8 @@ class File {
   virtual int sync() = 0;  // fdatasync. After -EIO never again on this file: write a new one
   virtual int truncate(std::int64_t size) = 0;
   virtual std::int64_t size() = 0;
+  // What the kernel keeps of it in memory may go: the next read asks the disk. A hint.
+  virtual void dropCache() {}
 };
 
 // Held until destroyed, or until the process dies.

@@ -57,6 +57,7 @@ std::filesystem::path FrameStore::writeTemporary(std::span<const std::byte> byte
     const auto path = options_.folder / "tmp" / (std::to_string(++written_) + "." + ext);
     const int got = write(path, bytes);
     if (got == 0) return path;
+    if (got == -ENOENT) throwGone(options_.folder);
     forget(path);
     if (got != -EIO || attempt == 2) throwDiskError(-got, "writing", path);
   }
@@ -64,7 +65,9 @@ std::filesystem::path FrameStore::writeTemporary(std::span<const std::byte> byte
 
 bool FrameStore::holds(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   std::unique_ptr<File> file;
-  checkDisk(files_.open(path, FileOps::Mode::kRead, &file), "opening", path);
+  const int opened = files_.open(path, FileOps::Mode::kRead, &file);
+  if (opened == -ENOENT) return false;  // a sweep took it in this moment
+  checkDisk(opened, "opening", path);
   if (file->size() != static_cast<std::int64_t>(bytes.size())) return false;
   Bytes there(bytes.size());
   std::size_t have = 0;
@@ -95,7 +98,8 @@ bool FrameStore::place(const std::filesystem::path& temporary, const Sha256& sha
   if (got == -EEXIST && !holds(path, bytes)) {
     const auto aside = options_.folder / "quarantine" / (sha256.hex() + "-damaged." + ext);
     makeFolder(aside.parent_path());
-    checkDisk(files_.renameReplace(path, aside), "setting aside", path);
+    const int moved = files_.renameReplace(path, aside);
+    if (moved != -ENOENT) checkDisk(moved, "setting aside", path);
     got = files_.renameNoReplace(temporary, path);
   }
   if (got == -EEXIST) {

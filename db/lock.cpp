@@ -43,9 +43,10 @@ void refuse(const std::filesystem::path& archive, const std::string& why) {
 
 }  // namespace
 
-std::unique_ptr<FileLock> takeLock(FileOps& files, const std::filesystem::path& archive,
-                                   const std::string& owner) {
-  const auto path = archive / "lock";
+namespace {
+
+std::unique_ptr<FileLock> take(FileOps& files, const std::filesystem::path& archive,
+                               const std::filesystem::path& path, const std::string& owner) {
   std::unique_ptr<FileLock> lock;
   const int got = files.lock(path, &lock);
   if (got == -EWOULDBLOCK)
@@ -65,6 +66,21 @@ std::unique_ptr<FileLock> takeLock(FileOps& files, const std::filesystem::path& 
   checkDisk(file->write(std::as_bytes(std::span(content)), 0), "writing", path);
   checkDisk(file->truncate(static_cast<std::int64_t>(content.size())), "writing", path);
   return lock;
+}
+
+}  // namespace
+
+std::unique_ptr<FileLock> takeLock(FileOps& files, const std::filesystem::path& archive,
+                                   const std::string& owner) {
+  return take(files, archive, archive / "lock", owner);
+}
+
+std::unique_ptr<FileLock> takeCareLock(FileOps& files, const std::filesystem::path& archive,
+                                       const std::string& owner) {
+  const auto folder = archive / "care";
+  const int made = files.makeFolder(folder);
+  if (made != -EEXIST) checkDisk(made, "making", folder);
+  return take(files, archive, folder / "lock", owner);
 }
 
 void probeFileSystem(FileOps& files, const std::filesystem::path& archive, bool allow_network) {

@@ -16,6 +16,10 @@ namespace patina::db {
 std::unique_ptr<FileLock> takeLock(FileOps& files, const std::filesystem::path& archive,
                                    const std::string& owner);
 
+// The same for archive/care/lock: what sweeps, scrubs or rebuilds works alone, beside the owner.
+std::unique_ptr<FileLock> takeCareLock(FileOps& files, const std::filesystem::path& archive,
+                                       const std::string& owner);
+
 // Tries rename without replacing and folder sync in tmp/. ArchiveError(kCannotCreate) that names
 // what is missing; network file systems are refused unless allowed.
 void probeFileSystem(FileOps& files, const std::filesystem::path& archive, bool allow_network);

@@ -59,6 +59,19 @@ RowId ProductWriter::addCalibration(const std::filesystem::path& archive,
   return row.id;
 }
 
+void ProductWriter::addEvents(const std::filesystem::path& archive,
+                              std::span<const EventRow> events) {
+  if (events.empty()) return;
+  visit(archive, [&](Change& change, CatalogueWriter& writer) {
+    RowId id = writer.lowestId("event");
+    for (EventRow row : events) {
+      PATINA_CHECK(row.run_id.empty());
+      row.id = --id;
+      change.add(How::kInsert, row);
+    }
+  });
+}
+
 void ProductWriter::bind(const std::filesystem::path& archive,
                          std::span<const FrameCalibrationRow> rows) {
   if (rows.empty()) return;

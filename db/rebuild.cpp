@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <limits>
+#include <set>
 
 #include "db/archive_state.h"
+#include "db/catalogue_exchange.h"
 #include "db/errors.h"
 #include "db/journal_rewrite.h"
+#include "db/lock.h"
+#include "db/mend.h"
 #include "db/recovery.h"
 #include "db/replica.h"
 #include "db/schema.h"
@@ -18,10 +22,10 @@ std::int64_t sizeOf(const std::filesystem::path& path) {
 }
 
 // What only the old catalogue still knows goes into its journal first; a catalogue that cannot be
-// read has nothing to say.
-void saveWhatJournalsLack(FileOps& files, const std::filesystem::path& archive) {
+// read has nothing to say: false.
+bool saveWhatJournalsLack(FileOps& files, const std::filesystem::path& archive) {
   const auto file = archive / "catalog.sqlite";
-  if (sizeOf(file) == 0) return;
+  if (sizeOf(file) == 0) return false;
   std::shared_ptr<Database> old;
   std::vector<std::string> short_ones;
   std::int64_t version = 0;
@@ -36,9 +40,10 @@ void saveWhatJournalsLack(FileOps& files, const std::filesystem::path& archive) 
   } catch (const ArchiveError&) {
     // Damaged is why we are here; newer is not ours to replace.
     if (version > kSchemaVersion) throw;
-    return;
+    return false;
   }
   for (const auto& name : short_ones) rewriteJournal(files, archive, *old, name);
+  return true;
 }
 
 void fill(Archive::State& state, const std::filesystem::path& file, Progress& progress) {
@@ -49,6 +54,7 @@ void fill(Archive::State& state, const std::filesystem::path& file, Progress& pr
   CatalogueWriter writer(fresh);
   const auto names = journalNames(archive);
   progress.begin("journals", static_cast<std::int64_t>(names.size()));
+  std::set<std::string> damaged;
   Transaction transaction(fresh);
   for (const auto& name : names) {
     const auto path = journalPath(archive, name);
@@ -57,68 +63,77 @@ void fill(Archive::State& state, const std::filesystem::path& file, Progress& pr
                       [&](const JournalBatch& last) { return hasItsFrames(archive, last); });
     if (done.end < sizeOf(path)) cutJournal(*state.files, path, done.end);
     if (done.end > 0) writer.mark(name, done.end);
+    if (done.bad_lines > 0) damaged.insert(name);
     state.report.rows_from_journal += static_cast<int>(done.rows);
     progress.step();
+  }
+  if (!damaged.empty()) {
+    mendReferences(fresh);
+    damaged.insert(kSharedJournal);  // has what was mended
+    for (const auto& name : damaged)
+      writer.mark(name, rewriteJournal(*state.files, archive, fresh, name));
   }
   transaction.commit();
   fresh.run("PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL");
 }
 
-// The old WAL must never meet the new database. It goes first, emptied into the old catalogue when
-// that can still be opened; a crash in between leaves the old one, or none, and both recover.
-void exchange(FileOps& files, const std::filesystem::path& archive,
-              const std::filesystem::path& fresh) {
-  const auto file = archive / "catalog.sqlite";
-  if (sizeOf(file) > 0) {
-    try {
-      Database old(file, Database::Access::kWrite, files);
-      old.run("PRAGMA wal_checkpoint(TRUNCATE)");
-    } catch (const ArchiveError&) {
-      checkDisk(files.renameReplace(file, archive / "tmp" / "damaged.sqlite"), "setting aside",
-                file);
-      checkDisk(files.syncFolder(archive), "syncing", archive);
-    }
-  }
-  for (const char* suffix : {"-wal", "-shm", "-journal"}) {
-    const std::filesystem::path beside = file.string() + suffix;
-    std::error_code error;
-    if (std::filesystem::exists(beside, error)) checkDisk(files.remove(beside), "removing", beside);
-  }
-  checkDisk(files.syncFolder(archive), "syncing", archive);
-  {
-    std::unique_ptr<File> whole;
-    checkDisk(files.open(fresh, FileOps::Mode::kUpdate, &whole), "opening", fresh);
-    checkDisk(whole->sync(), "syncing", fresh);
-  }
-  checkDisk(files.renameReplace(fresh, file), "renaming to", file);
-  checkDisk(files.syncFolder(archive), "syncing", archive);
-}
-
 }  // namespace
 
-void rebuildCatalogue(Archive::State& state, Progress& progress) {
+bool rebuildCatalogue(Archive::State& state, Progress& progress) {
   const auto& archive = state.options.folder;
   const auto fresh = archive / "tmp" / "catalog.sqlite";
   for (const char* suffix : {"", "-wal", "-shm", "-journal"})
     state.files->remove(fresh.string() + suffix);
-  saveWhatJournalsLack(*state.files, archive);
+  const bool vouched = saveWhatJournalsLack(*state.files, archive);
   fill(state, fresh, progress);
-  exchange(*state.files, archive, fresh);
+  exchangeCatalogue(*state.files, archive, fresh);
+  return vouched;
 }
 
-RecoveryReport rebuild(const std::filesystem::path& archive, Progress& progress) {
+namespace {
+
+// Old catalogue and journals go out of the way, whole.
+void setAside(FileOps& files, const std::filesystem::path& archive) {
+  std::filesystem::path to;
+  for (int n = 1; to.empty() || std::filesystem::exists(to); ++n)
+    to = archive / "care" / ("before-rebuild-" + std::to_string(n));
+  for (const auto& folder : {to, to / "journal"})
+    checkDisk(files.makeFolder(folder), "making", folder);
+  const auto move = [&](const std::filesystem::path& name) {
+    if (std::filesystem::exists(archive / name))
+      checkDisk(files.renameReplace(archive / name, to / name), "setting aside", archive / name);
+  };
+  for (const auto& name : journalNames(archive))
+    move(std::filesystem::path("journal") / (name + ".jsonl"));
+  for (const char* suffix : {"-wal", "-shm", ""}) move(std::string("catalog.sqlite") + suffix);
+  for (const auto& folder : {to / "journal", to, archive / "journal", archive})
+    checkDisk(files.syncFolder(folder), "syncing", folder);
+}
+
+enum class From { kJournals, kFrames };
+
+RecoveryReport rebuildFrom(From from, const std::filesystem::path& archive, Progress& progress) {
   Archive::State state;
   state.options.folder = std::filesystem::absolute(archive).lexically_normal();
   state.options.owner = "patina archive rebuild";
   state.files = &realFileOps();
-  if (!std::filesystem::is_directory(state.options.folder / "journal"))
-    throw ArchiveError(Exit::kBadData, archive.string() + " is no archive: it has no journal");
+  const auto& folder = state.options.folder;
+  if (!std::filesystem::is_directory(folder / "journal") &&
+      !std::filesystem::is_directory(folder / "frames"))
+    throw ArchiveError(Exit::kBadData,
+                       archive.string() + " is no archive: it has neither journal nor frames");
   state.prepare();
-  rebuildCatalogue(state, progress);
+  const auto alone = takeCareLock(*state.files, folder, state.options.owner);
+  if (from == From::kFrames) setAside(*state.files, folder);
+  const bool vouched = rebuildCatalogue(state, progress);
   const int rows = state.report.rows_from_journal;
   state.openCatalogue();
-  const auto orphans = quarantineOrphans(*state.files, state.options.folder, *state.database, {},
-                                         OrphanSearch::kEverywhere);
+  if (!vouched) {
+    state.loadIds();
+    adoptFiles(state, progress);
+  }
+  const auto orphans =
+      quarantineOrphans(*state.files, folder, *state.database, {}, OrphanSearch::kEverywhere);
   recover(state);
   for (const auto& name : orphans)
     state.addEvent({0, {}, {}, "quarantine", "frames file without a row: " + name});
@@ -126,6 +141,16 @@ RecoveryReport rebuild(const std::filesystem::path& archive, Progress& progress)
   state.report.rows_from_journal = rows;
   state.report.frames_quarantined += static_cast<int>(orphans.size());
   return state.report;
+}
+
+}  // namespace
+
+RecoveryReport rebuild(const std::filesystem::path& archive, Progress& progress) {
+  return rebuildFrom(From::kJournals, archive, progress);
+}
+
+RecoveryReport rebuildFromFrames(const std::filesystem::path& archive, Progress& progress) {
+  return rebuildFrom(From::kFrames, archive, progress);
 }
 
 }  // namespace patina::db

@@ -5,20 +5,12 @@
 
 #include "db/errors.h"
 #include "db/journal_rewrite.h"
+#include "db/trash.h"
 
 namespace patina::db {
 namespace {
 
 using How = Change::How;
-
-int sweepTemporaries(FileOps& files, const std::filesystem::path& archive) {
-  int swept = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(archive / "tmp")) {
-    checkDisk(files.remove(entry.path()), "sweeping", entry.path());
-    ++swept;
-  }
-  return swept;
-}
 
 std::int64_t sizeOf(const std::filesystem::path& path) {
   std::error_code error;
@@ -39,6 +31,15 @@ bool isWhole(const std::filesystem::path& archive, const FrameRow& frame) {
 }
 
 }  // namespace
+
+int sweepTemporaries(FileOps& files, const std::filesystem::path& archive) {
+  int swept = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(archive / "tmp")) {
+    checkDisk(files.remove(entry.path()), "sweeping", entry.path());
+    ++swept;
+  }
+  return swept;
+}
 
 bool hasItsFrames(const std::filesystem::path& archive, const JournalBatch& batch) {
   return std::ranges::all_of(batch.rows, [&](const AnyRow& row) {
@@ -62,6 +63,7 @@ class Recovery {
   void run() {
     s_.report.tmp_swept = sweepTemporaries(*s_.files, archive_);
     auto tails = readTails(*s_.files, archive_, *s_.database, *s_.writer);
+    returnNamedFrames(*s_.files, archive_, *s_.database, tails);
     // The last lines may have been written before their frames found their places; they were not
     // acknowledged then, and go.
     for (JournalTail& tail : tails)

@@ -19,6 +19,8 @@ struct JournalTail {
 };
 std::vector<JournalTail> readTails(FileOps& files, const std::filesystem::path& archive,
                                    Database& database, CatalogueWriter& writer);
+// Removes what died processes left in tmp/; answers how many. Under the archive's lock.
+int sweepTemporaries(FileOps& files, const std::filesystem::path& archive);
 // Whether every frame of a transaction lies in its place with the bytes it should have.
 bool hasItsFrames(const std::filesystem::path& archive, const JournalBatch& batch);
 void cutJournal(FileOps& files, const std::filesystem::path& journal, std::int64_t size);

@@ -33,5 +33,14 @@ TEST(Errors, AFullDiskAndAFullQuotaAreTheSameToTheCaller) {
   EXPECT_EQ(exitOf(ENOSPC), Exit::kCannotCreate);
 }
 
+TEST(Errors, AnArchiveThatIsGoneIsADiskThatFailed) {
+  try {
+    throwGone("/media/disk/ivy");
+  } catch (const ArchiveError& e) {
+    EXPECT_EQ(e.exit(), Exit::kIo);
+    EXPECT_NE(std::string(e.what()).find("/media/disk/ivy"), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace patina::db

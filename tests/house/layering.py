@@ -24,11 +24,13 @@ TABLE = {
     "devices/*": ["devices"],
     "devices/twin": ["devices", "processing/brdf", "processing/mesh"],
     "db": ["processing/image"],
+    "db/care": ["db"],
     "capture": ["devices", "db", "calibration"],
+    "capture/doctor": ["devices", "db"],
     "capture/notify": ["capture"],
     "capture/workflow": ["db", "calibration", "processing/exchange"],
     "capture/app/http": ["devices"],
-    "capture/app": ["capture", "capture/notify", "capture/workflow", "devices/*", "capture/app/http"],
+    "capture/app": ["capture", "capture/doctor", "capture/notify", "capture/workflow", "db/care", "devices/*", "capture/app/http"],
 }
 TESTS = "tests"
 TOP = ["processing", "calibration", "devices", "db", "capture", TESTS]
