@@ -123,6 +123,25 @@ void warnOfTime(const Plan& plan, const devices::RigSpec& rig, const ForecastInp
                            formatDuration(plan.interval) + ": no time is left for a second try");
 }
 
+void warnOfDisk(const Plan& plan, const ForecastInputs& inputs, Forecast& out) {
+  const std::int64_t bytes = out.frame_bytes + out.catalogue_bytes;
+  if (!inputs.free_bytes || out.steps == 0) return;
+  const DiskUse use{*inputs.free_bytes,
+                    plan.disk_reserve_bytes,
+                    static_cast<double>(bytes) / static_cast<double>(out.steps),
+                    out.steps,
+                    out.begin,
+                    out.end};
+  out.disk_full = diskFullAt(use);
+  if (!out.disk_full) return;
+  out.warnings.push_back(
+      "the disk is too small: " + formatBytes(static_cast<std::uint64_t>(bytes)) +
+      " and a reserve of " + formatBytes(plan.disk_reserve_bytes) + " are needed, " +
+      formatBytes(*inputs.free_bytes) + " are free: captures stop about " +
+      formatUtc(*out.disk_full).substr(0, 19) + ", after " + std::to_string(stepsThatFit(use)) +
+      " of " + std::to_string(out.steps) + " steps");
+}
+
 void warnOfSteps(const Plan& plan, const devices::RigSpec& rig, const ForecastInputs& inputs,
                  Forecast& out) {
   if (out.steps == 0)
@@ -135,13 +154,7 @@ void warnOfSteps(const Plan& plan, const devices::RigSpec& rig, const ForecastIn
         out.warnings.push_back("a window of " + formatDuration(open) +
                                " is shorter than the interval: some days may have no step");
     }
-  const std::int64_t bytes = out.frame_bytes + out.catalogue_bytes;
-  if (inputs.free_bytes &&
-      static_cast<std::uint64_t>(bytes) + plan.disk_reserve_bytes > *inputs.free_bytes)
-    out.warnings.push_back(
-        "the disk is too small: " + formatBytes(static_cast<std::uint64_t>(bytes)) +
-        " and a reserve of " + formatBytes(plan.disk_reserve_bytes) + " are needed, " +
-        formatBytes(*inputs.free_bytes) + " are free");
+  warnOfDisk(plan, inputs, out);
   if (plan.light_check.mode == LightMode::kUncontrolled) return;
   const bool lux = std::any_of(rig.sensors.begin(), rig.sensors.end(), [](const auto& s) {
     return s.quantity == devices::Quantity::kIlluminance;
@@ -161,6 +174,22 @@ void warnOfSteps(const Plan& plan, const devices::RigSpec& rig, const ForecastIn
 
 }  // namespace
 
+std::int64_t stepsThatFit(const DiskUse& use) {
+  if (use.free_bytes <= use.reserve_bytes) return 0;
+  if (!(use.bytes_a_step > 0)) return use.steps_left;
+  const double fit = static_cast<double>(use.free_bytes - use.reserve_bytes) / use.bytes_a_step;
+  return fit >= static_cast<double>(use.steps_left) ? use.steps_left
+                                                    : static_cast<std::int64_t>(fit);
+}
+
+std::optional<UtcTime> diskFullAt(const DiskUse& use) {
+  const std::int64_t fit = stepsThatFit(use);
+  if (fit >= use.steps_left) return std::nullopt;
+  const double share = static_cast<double>(fit) / static_cast<double>(use.steps_left);
+  const auto rest = static_cast<double>((use.end - use.next_due).count());
+  return use.next_due + Nanoseconds{static_cast<std::int64_t>(share * rest)};
+}
+
 Forecast forecast(const Plan& plan, const devices::RigSpec& rig, const ForecastInputs& inputs) {
   Forecast out;
   out.begin = plan.start_utc.value_or(inputs.begin);
@@ -172,16 +201,6 @@ Forecast forecast(const Plan& plan, const devices::RigSpec& rig, const ForecastI
   warnOfTime(plan, rig, inputs, out);
   warnOfSteps(plan, rig, inputs, out);
   return out;
-}
-
-std::optional<Nanoseconds> fullIn(std::uint64_t free_bytes, std::uint64_t reserve_bytes,
-                                  std::int64_t bytes_a_step, std::int64_t steps_left,
-                                  Nanoseconds interval) {
-  if (bytes_a_step <= 0) return std::nullopt;
-  const std::uint64_t room = free_bytes > reserve_bytes ? free_bytes - reserve_bytes : 0;
-  const auto steps = static_cast<std::int64_t>(room / static_cast<std::uint64_t>(bytes_a_step));
-  if (steps >= steps_left) return std::nullopt;
-  return steps * interval;
 }
 
 }  // namespace patina::capture

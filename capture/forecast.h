@@ -30,13 +30,21 @@ struct Forecast {
   std::map<std::string, std::int64_t> actuations;  // by camera id; mechanical shutters only
   Nanoseconds sweep{};                             // one step, at its quickest
   UtcTime begin, end;
+  std::optional<UtcTime> disk_full;   // nothing: it fits, or the disk is not known
   std::vector<std::string> warnings;  // each one line; empty: nothing speaks against it
 };
 Forecast forecast(const Plan& plan, const devices::RigSpec& rig, const ForecastInputs& inputs);
-// When the disk will be full, if that comes before `steps_left` steps are taken; hours outside the
-// windows are counted as if they were worked.
-std::optional<Nanoseconds> fullIn(std::uint64_t free_bytes, std::uint64_t reserve_bytes,
-                                  std::int64_t bytes_a_step, std::int64_t steps_left,
-                                  Nanoseconds interval);
+
+// When the disk of a running plan will be down to its reserve.
+struct DiskUse {
+  std::uint64_t free_bytes = 0, reserve_bytes = 0;
+  double bytes_a_step = 0;
+  std::int64_t steps_left = 0;
+  UtcTime next_due, end;  // of the run; steps are taken as evenly spread, windows included
+};
+// Whole steps that still fit.
+std::int64_t stepsThatFit(const DiskUse& use);
+// Nothing: all of them do.
+std::optional<UtcTime> diskFullAt(const DiskUse& use);
 
 }  // namespace patina::capture

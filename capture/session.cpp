@@ -32,6 +32,7 @@ class Session {
         runner_(plan, rig, archive, clock, start.run_id, hooks) {
     status_.run_id = run_id_;
     status_.steps = stepCount(plan, start.t0_utc);
+    end_utc_ = start.t0_utc + plan.duration;
   }
 
   SessionSummary run() {
@@ -75,6 +76,7 @@ class Session {
   void shootByHand(const Decision& waiting_for);
   void decideWithout(const Decision& d, db::Decision decision, const std::string& reason);
   bool diskHasRoom();
+  void forecastDisk();
   void watchDisk();
   Moment moment() const { return {clock_.utc(), clock_.mono()}; }
   void diskIsFull(const std::string& why);
@@ -96,6 +98,7 @@ class Session {
   ScheduleState state_;
   SessionStatus status_;
   bool disk_full_ = false;
+  UtcTime end_utc_;
   std::vector<db::StepRow> unwritten_;  // rows that the full disk did not take
 };
 
@@ -234,16 +237,24 @@ void Session::wait(const Decision& d) {
 
 bool Session::diskHasRoom() {
   status_.disk_free_bytes = archive_.space().free_bytes;
+  forecastDisk();
   return status_.disk_free_bytes >=
          plan_.disk_reserve_bytes + static_cast<std::uint64_t>(runner_.bytesAStep());
 }
 
+// By what the cameras say their pictures take.
+void Session::forecastDisk() {
+  status_.disk_full_utc = diskFullAt(
+      {status_.disk_free_bytes, plan_.disk_reserve_bytes, static_cast<double>(runner_.bytesAStep()),
+       status_.steps - status_.step, dueUtc(plan_, state_, state_.next_number), end_utc_});
+}
+
 void Session::watchDisk() {
-  const auto full = fullIn(status_.disk_free_bytes, plan_.disk_reserve_bytes, runner_.bytesAStep(),
-                           status_.steps - status_.step, plan_.interval);
-  if (full && *full < kWarnOfFullDisk)
+  const auto full = status_.disk_full_utc;
+  const Nanoseconds left = full ? *full - dueUtc(plan_, state_, state_.next_number) : 0ns;
+  if (full && left < kWarnOfFullDisk)
     runner_.alerts().raise(AlertKind::kDiskFilling, "",
-                           "full in " + formatLasted(*full) + ", before the run is over: " +
+                           "full in " + formatLasted(left) + ", before the run is over: " +
                                formatBytes(status_.disk_free_bytes) + " free",
                            moment());
   else
@@ -343,6 +354,7 @@ void Session::shoot(const Decision& d) {
   runner_.alerts().stepDue(d.due_mono, plan_.interval);
   if (disk_full_) {
     disk_full_ = false;
+    archive_.renewReserve();
     runner_.event("disk", "room again: captures go on");
   }
   db::StepRow row;

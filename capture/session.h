@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -24,7 +25,8 @@ struct SessionStatus {
   std::int64_t captured = 0, skipped = 0, missed = 0, failed = 0, held = 0, partial = 0;
   std::string light;  // "key 0.998 pass"
   std::uint64_t disk_free_bytes = 0;
-  std::string note;  // what it is doing or waiting for
+  std::optional<UtcTime> disk_full_utc;  // when captures will stop; nothing: the run fits
+  std::string note;                      // what it is doing or waiting for
 };
 
 struct SessionHooks {

@@ -85,7 +85,28 @@ TEST(Forecast, WarnsOfAnIntervalShorterThanTheCycle) {
 TEST(Forecast, WarnsOfADiskThatIsTooSmall) {
   Case c;
   c.inputs.free_bytes = 5'000'000'000;
-  EXPECT_THAT(c.run().warnings, Contains(HasSubstr("too small")));
+  const Forecast f = c.run();
+  EXPECT_THAT(f.warnings, Contains(HasSubstr("too small")));
+  ASSERT_TRUE(f.disk_full);
+  EXPECT_GT(*f.disk_full, f.begin + 48h);
+  EXPECT_LT(*f.disk_full, f.begin + 84h) << "5 GB of more than 12 in seven days";
+  EXPECT_THAT(f.warnings, Contains(HasSubstr(formatUtc(*f.disk_full).substr(0, 19))));
+  c.inputs.free_bytes = 50'000'000'000;
+  EXPECT_FALSE(c.run().disk_full);
+}
+
+TEST(Forecast, KnowsWhenTheDiskOfARunningPlanIsFull) {
+  DiskUse use{2000, 1000, 100, 20, utcFromNs(0), utcFromNs(20)};
+  EXPECT_EQ(stepsThatFit(use), 10);
+  EXPECT_EQ(diskFullAt(use), utcFromNs(10));
+  use.steps_left = 10;
+  EXPECT_FALSE(diskFullAt(use)) << "all of them fit";
+  use.free_bytes = 1000;
+  EXPECT_EQ(diskFullAt(use), use.next_due) << "now";
+  use.bytes_a_step = 0;
+  EXPECT_EQ(stepsThatFit(use), 0);
+  use.free_bytes = 1001;
+  EXPECT_FALSE(diskFullAt(use)) << "nothing is written";
 }
 
 TEST(Forecast, WarnsOfWindowsThatNoStepFallsInto) {
@@ -109,13 +130,6 @@ TEST(Forecast, WarnsOfAnExposureTheCameraCannotMake) {
   Case c;
   c.inputs.cameras[1].exposure_max = 50ms;
   EXPECT_THAT(c.run().warnings, Contains(HasSubstr("cannot expose 1/10")));
-}
-
-TEST(Forecast, SaysWhenTheDiskIsFullOnlyIfThatComesBeforeTheEnd) {
-  EXPECT_EQ(fullIn(1'000, 200, 100, 9, 10min), 80min);
-  EXPECT_EQ(fullIn(1'000, 200, 100, 8, 10min), std::nullopt);
-  EXPECT_EQ(fullIn(100, 200, 100, 1, 10min), 0min);
-  EXPECT_EQ(fullIn(100, 200, 0, 1, 10min), std::nullopt);
 }
 
 }  // namespace

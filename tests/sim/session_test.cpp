@@ -163,11 +163,20 @@ TEST(Session, StopsCleanlyBeforeTheDiskIsFullAndGoesOnWhenThereIsRoom) {
   sim.archive_options.files = &disk;
   sim.clock.at(sim.clock.mono() + 25min, [&] { disk.free_bytes = 1'000'000'000; });
   sim.clock.at(sim.clock.mono() + 65min, [&] { disk.free_bytes = 5'000'000'000; });
-  const auto summary = sim.run();
+  std::vector<bool> forecast;
+  const auto summary = sim.run([&](capture::SessionHooks& hooks) {
+    hooks.on_status = [&](const capture::SessionStatus& status) {
+      forecast.push_back(status.disk_full_utc.has_value());
+    };
+  });
   EXPECT_EQ(summary.end, "finished");
   std::vector<std::string> expected = twelve("captured");
   for (std::size_t k : {3, 4, 5, 6}) expected[k] = "skipped";
   EXPECT_EQ(sim.decisions(), expected);
+  EXPECT_FALSE(forecast.front());
+  EXPECT_EQ(std::count(forecast.begin(), forecast.end(), true), 4) << "while it was full";
+  EXPECT_FALSE(forecast.back());
+  EXPECT_TRUE(std::filesystem::exists(sim.archive_options.folder / "reserve"));
   EXPECT_EQ(sim.reader().step(sim.run_id, 4)->reason, "disk");
   EXPECT_EQ(sim.events("disk").size(), 2u);
   sim.expectWhole();

@@ -61,6 +61,7 @@ void check(Context& context, const std::string& file) {
       .set("sweep_ns", forecast.sweep)
       .bytes("frame_bytes", static_cast<std::uint64_t>(forecast.frame_bytes))
       .bytes("catalogue_bytes", static_cast<std::uint64_t>(forecast.catalogue_bytes));
+  if (forecast.disk_full) item.set("disk_full_utc_ns", *forecast.disk_full);
   for (const auto& [light, hours] : forecast.lamp_hours)
     item.set("lamp_hours_" + light, Value{hours});
   for (const auto& [camera, count] : forecast.actuations) item.set("actuations_" + camera, count);

@@ -85,6 +85,7 @@ std::string statusLine(const capture::SessionStatus& status) {
   unless_none("failed", status.failed);
   if (!status.light.empty()) line += "  light " + status.light;
   if (status.disk_free_bytes > 0) line += "  disk " + formatBytes(status.disk_free_bytes);
+  if (status.disk_full_utc) line += " full about " + formatUtc(*status.disk_full_utc).substr(0, 16);
   if (!status.note.empty()) line += "  " + status.note;
   return line;
 }
