@@ -31,9 +31,10 @@ void print(const std::string& text) {
 }
 
 void addVerbs(CommandLine& line) {
-  for (const auto add : {addPlanVerbs, addRehearseVerb, addCaptureVerb, addImportVerb,
-                         addArchiveVerbs, addLightVerbs, addCalibrateVerbs, addTtfVerbs,
-                         addFilmVerbs, addSheetVerbs, addSynthVerbs, addTwinVerbs, addAlertsVerbs})
+  for (const auto add :
+       {addPlanVerbs, addRehearseVerb, addCaptureVerb, addImportVerb, addArchiveVerbs,
+        addLightVerbs, addCalibrateVerbs, addTtfVerbs, addFilmVerbs, addSheetVerbs, addSynthVerbs,
+        addDoctorVerb, addTwinVerbs, addAlertsVerbs})
     add(line.root());
 }
 

@@ -38,11 +38,24 @@ void verify(Context& context) {
                                   .set("detail", problem.detail.c_str())));
 }
 
-void rebuild(Context& context) {
-  const db::RecoveryReport report = db::rebuild(context.archive(), context.progress);
+void rebuild(Context& context, bool frames_only) {
+  const db::RecoveryReport report = frames_only
+                                        ? db::rebuildFromFrames(context.archive(), context.progress)
+                                        : db::rebuild(context.archive(), context.progress);
   context.out.asList();
+  if (frames_only) context.out.say("The old catalogue and journals lie in care/before-rebuild-N/.");
+  if (report.frames_from_files > 0)
+    context.out.say(std::to_string(report.frames_from_files) +
+                    " frames had no row in any journal: they are run " + report.recovered_run +
+                    " now. Known of them: bytes, size, camera and exposure where the picture says "
+                    "so, and time (" +
+                    std::to_string(report.frames_dated_by_file) +
+                    " by their file's date alone). Lost: run, step, light, verdicts, readings.");
   context.out.add(std::move(Item()
                                 .set("rows_from_journal", report.rows_from_journal)
+                                .set("frames_from_files", report.frames_from_files)
+                                .set("frames_dated_by_file", report.frames_dated_by_file)
+                                .set("products_from_files", report.products_from_files)
                                 .set("frames_adopted", report.frames_adopted)
                                 .set("frames_missing", report.frames_missing)
                                 .set("frames_quarantined", report.frames_quarantined)
@@ -55,14 +68,21 @@ void rebuild(Context& context) {
 void addArchiveCare(Verb archive) {
   archive.verb("verify", "Checks every hash and every row", "patina archive verify --archive ivy",
                [](Context& context) { verify(context); });
-  archive.verb("rebuild", "Makes the catalogue again from journal and frames",
-               "patina archive rebuild --archive ivy", [](Context& context) { rebuild(context); });
+  auto frames_only = std::make_shared<bool>(false);
+  archive
+      .verb("rebuild", "Makes the catalogue again from journal and frames",
+            "patina archive rebuild --archive ivy",
+            [frames_only](Context& context) { rebuild(context, *frames_only); })
+      .flag("--frames-only", *frames_only,
+            "Set catalogue and journals aside and keep what the pictures themselves tell");
 }
 
 void addArchiveVerbs(Verb root) {
   Verb archive = root.group("archive", "What is in an archive, and whether all of it is well");
   addArchiveReading(archive);
   addArchiveCare(archive);
+  addArchiveKeeping(archive);
+  addArchiveExport(archive);
   addArchiveReport(archive);
 }
 

@@ -8,6 +8,8 @@ namespace patina::app {
 
 void addArchiveReading(Verb archive);  // list, show, query
 void addArchiveCare(Verb archive);     // verify, rebuild
+void addArchiveKeeping(Verb archive);  // backup, gc, scrub
+void addArchiveExport(Verb archive);
 void addArchiveReport(Verb archive);
 
 }  // namespace patina::app

@@ -18,6 +18,7 @@ void addTtfVerbs(Verb root);
 void addFilmVerbs(Verb root);
 void addSheetVerbs(Verb root);
 void addSynthVerbs(Verb root);
+void addDoctorVerb(Verb root);
 void addTwinVerbs(Verb root);
 
 }  // namespace patina::app

@@ -20,6 +20,18 @@ TEST_F(ArchiveCare, RebuildsTheSameRuns) {
   EXPECT_EQ(patina({"archive", "verify"}).exit, 0);
 }
 
+TEST_F(ArchiveCare, RebuildsFromFramesAloneInACopyAndSaysWhatIsLost) {
+  const std::string copy = place("copy");
+  std::filesystem::copy(archive(), copy, std::filesystem::copy_options::recursive);
+  const Finished finished = runPatina({"archive", "rebuild", "--frames-only", "--archive", copy});
+  EXPECT_EQ(finished.exit, 0) << finished.err;
+  EXPECT_THAT(finished.out, ::testing::HasSubstr("Lost: run, step, light"));
+  const JsonAnswer runs = answerOf(runPatina({"archive", "list", "--json", "--archive", copy}));
+  EXPECT_EQ(runs.text("/items/0/state"), "recovered");
+  EXPECT_EQ(runs.number("/items/0/captured"), 12);
+  EXPECT_EQ(runPatina({"archive", "verify", "--archive", copy}).exit, 0);
+}
+
 TEST_F(ArchiveCare, VerifyNamesADamagedFrameAndExitsWithBadData) {
   const std::string frame = answer({"archive", "query", "--step", "5"}).text("/items/0/path");
   const std::string whole = readFile(frame);

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// patina doctor: what would spoil a week, and what to do about it.
+#include "capture/app/context.h"
+#include "capture/app/verbs/verbs.h"
+#include "capture/doctor/commit_probe.h"
+#include "capture/doctor/judge.h"
+
+namespace patina::app {
+namespace {
+
+// Beside the archive's own files, on its disk; a folder that does not exist yet is not made.
+void probe(Context& context, doctor::ArchiveFacts& facts) {
+  if (!facts.writable || !facts.refused.empty()) return;
+  try {
+    const auto latency = doctor::probeCommits(facts.there, context.clock);
+    facts.commit_median = latency.median;
+    facts.commit_worst = latency.worst;
+  } catch (const Failure& failure) {
+    facts.probe_failed = failure.what();
+  }
+}
+
+void examine(Context& context) {
+  auto findings = doctor::judge(doctor::machineFacts());
+  if (context.options.archive.empty()) {
+    context.out.say("No archive named: its disk was not looked at (--archive DIR).");
+  } else {
+    doctor::ArchiveFacts facts = doctor::archiveFacts(context.options.archive);
+    probe(context, facts);
+    for (doctor::Finding& finding : doctor::judge(facts)) findings.push_back(std::move(finding));
+  }
+  for (const doctor::Finding& f : findings) {
+    if (f.level == doctor::Level::kFail) context.exit_code = static_cast<int>(Exit::kConfig);
+    context.out.add(std::move(Item()
+                                  .set("level", doctor::name(f.level))
+                                  .set("subject", f.subject.c_str())
+                                  .set("what", f.what.c_str())
+                                  .set("do", f.do_this.c_str())));
+  }
+}
+
+}  // namespace
+
+void addDoctorVerb(Verb root) {
+  root.verb("doctor",
+            "What would spoil a week: disk, clock, sleep, limits; exit 78 when something does",
+            "patina doctor --archive ivy", [](Context& context) { examine(context); });
+}
+
+}  // namespace patina::app
