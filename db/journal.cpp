@@ -43,7 +43,12 @@ std::int64_t Journal::sizeOnDisk() const {
   return bytes;
 }
 
-void Journal::sync() { checkDisk(file_->sync(), "syncing", path_); }
+void Journal::sync() {
+  // The kernel may call clean what it could not write: a second sync would say yes to nothing.
+  const int got = sync_failed_ ? -EIO : file_->sync();
+  sync_failed_ |= got < 0 && got != -ENOSPC && got != -EDQUOT;
+  checkDisk(got, "syncing", path_);
+}
 
 void Journal::takeBack() noexcept {
   if (!pending() && !needs_repair_) return;

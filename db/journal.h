@@ -28,7 +28,7 @@ class Journal {
   bool pending() const { return size_ != settled_; }
   std::int64_t sizeOnDisk() const;       // the shared one grows by other hands too
   void write(const std::string& lines);  // at the end, not synced
-  void sync();
+  void sync();  // refuses for ever after EIO: another Journal recovers what is there
   void settle() { settled_ = size_; }  // its transaction is committed
   // Cuts off what is pending. Never throws: what fails now is tried again by the next write().
   void takeBack() noexcept;
@@ -41,7 +41,7 @@ class Journal {
   std::string name_;
   std::unique_ptr<File> file_;
   std::int64_t size_ = 0, settled_ = 0;
-  bool needs_repair_ = false;
+  bool needs_repair_ = false, sync_failed_ = false;
 };
 
 std::filesystem::path journalPath(const std::filesystem::path& archive, const std::string& name);

@@ -66,6 +66,28 @@ TEST_F(JournalTest, AHalfWrittenLineIsCutBeforeTheNext) {
   EXPECT_EQ(content(), "one\nthree\n");
 }
 
+TEST_F(JournalTest, IsNeverSyncedAgainAfterAnInputOutputError) {
+  Journal journal(disk_, folder_.path(), "run");
+  int syncs = 0;
+  hook_ = [&](Call call, const auto&) { return call == Call::kSync && ++syncs == 1 ? -EIO : 0; };
+  journal.write("one\n");
+  EXPECT_THROW(journal.sync(), ArchiveError);
+  journal.takeBack();
+  journal.write("two\n");
+  EXPECT_THROW(journal.sync(), ArchiveError) << "what the kernel calls clean may be lost";
+  EXPECT_EQ(syncs, 1);
+}
+
+TEST_F(JournalTest, IsSyncedAgainWhenThereIsRoomAgain) {
+  Journal journal(disk_, folder_.path(), "run");
+  int syncs = 0;
+  hook_ = [&](Call call, const auto&) { return call == Call::kSync && ++syncs == 1 ? -ENOSPC : 0; };
+  journal.write("one\n");
+  EXPECT_THROW(journal.sync(), DiskFull);
+  journal.sync();
+  EXPECT_EQ(syncs, 2);
+}
+
 TEST_F(JournalTest, TheSharedJournalFollowsOtherWriters) {
   Journal ours(disk_, folder_.path(), "run");
   patina::testing::writeFile(journalPath(folder_.path(), "run"), "theirs\ntorn");
