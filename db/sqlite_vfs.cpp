@@ -55,7 +55,12 @@ class UnixFile final : public File {
         inner_->pMethods->xWrite(inner_, data.data(), static_cast<int>(data.size()), offset);
     return code == SQLITE_OK ? static_cast<std::int64_t>(data.size()) : answer(code);
   }
-  int sync() override { return answer(inner_->pMethods->xSync(inner_, SQLITE_SYNC_NORMAL)); }
+  // The unix VFS retries EINTR at every call but this one.
+  int sync() override {
+    int got = -EINTR;
+    while (got == -EINTR) got = answer(inner_->pMethods->xSync(inner_, SQLITE_SYNC_NORMAL));
+    return got;
+  }
   int truncate(std::int64_t size) override {
     return answer(inner_->pMethods->xTruncate(inner_, size));
   }

@@ -41,6 +41,11 @@ struct FailingFileOps::State {
     return changes ? -always : 0;
   }
 
+  void countSyncAfterFailure() {
+    const std::lock_guard lock(mutex);
+    ++syncs_after_failure;
+  }
+
   static bool onFile(Call kind) {
     return kind == Call::kRead || kind == Call::kWrite || kind == Call::kSync ||
            kind == Call::kTruncate || kind == Call::kSize;
@@ -49,7 +54,7 @@ struct FailingFileOps::State {
   std::mutex mutex;
   FileOps& disk;
   std::array<std::int64_t, kCallKinds> counts{};
-  std::int64_t total = 0, unplugged_from = 0, die_at = 0;
+  std::int64_t total = 0, unplugged_from = 0, die_at = 0, syncs_after_failure = 0;
   int always = 0;  // the errno of every change
   std::vector<Fault> faults;
 };
@@ -75,8 +80,11 @@ class FailingFile final : public db::File {
     return disk_->write(cut ? data.first((data.size() + 1) / 2) : data, offset);
   }
   int sync() override {
-    const int got = state_->count(Call::kSync, false);
-    return got < 0 ? got : disk_->sync();
+    if (sync_failed_) state_->countSyncAfterFailure();
+    int got = state_->count(Call::kSync, false);
+    if (got >= 0) got = disk_->sync();
+    sync_failed_ |= got == -EIO;
+    return got;
   }
   int truncate(std::int64_t size) override {
     const int got = state_->count(Call::kTruncate, true);
@@ -90,6 +98,7 @@ class FailingFile final : public db::File {
  private:
   std::shared_ptr<State> state_;
   std::unique_ptr<db::File> disk_;
+  bool sync_failed_ = false;
 };
 
 }  // namespace
@@ -150,6 +159,11 @@ std::int64_t FailingFileOps::calls() const {
 std::int64_t FailingFileOps::calls(Call kind) const {
   const std::lock_guard lock(state_->mutex);
   return state_->counts.at(static_cast<std::size_t>(kind));
+}
+
+std::int64_t FailingFileOps::syncsAfterFailure() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->syncs_after_failure;
 }
 
 int FailingFileOps::open(const std::filesystem::path& path, Mode mode,

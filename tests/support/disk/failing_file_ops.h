@@ -50,6 +50,9 @@ class FailingFileOps final : public db::FileOps {
 
   std::int64_t calls() const;
   std::int64_t calls(Call kind) const;
+  // Syncs of a file after one of its syncs had failed with EIO. The kernel may call pages clean
+  // that it could not write, so that the second sync says yes to nothing: must stay 0.
+  std::int64_t syncsAfterFailure() const;
 
   int open(const std::filesystem::path& path, Mode mode, std::unique_ptr<db::File>* out) override;
   int renameNoReplace(const std::filesystem::path& from, const std::filesystem::path& to) override;

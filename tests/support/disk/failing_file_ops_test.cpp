@@ -50,6 +50,16 @@ TEST_F(FailingDisk, CountsEachKindByItself) {
   EXPECT_EQ(file->sync(), 0);
 }
 
+TEST_F(FailingDisk, CountsTheSyncsThatFollowAFailedOne) {
+  auto failed = create("a"), other = create("b");
+  disk_.failCall(Call::kSync, 1, EIO);
+  EXPECT_EQ(failed->sync(), -EIO);
+  EXPECT_EQ(other->sync(), 0);
+  EXPECT_EQ(disk_.syncsAfterFailure(), 0);
+  EXPECT_EQ(failed->sync(), 0);
+  EXPECT_EQ(disk_.syncsAfterFailure(), 1);
+}
+
 TEST_F(FailingDisk, WritesShortAndSaysSo) {
   auto file = create("a");
   disk_.writeShort(1);
