@@ -28,10 +28,10 @@ class Presence {
 
   // Nothing when the device may be recovered now.
   std::optional<Error> recoverGate(const std::string& id) {
-    if (script_.isDue(FaultKind::kLost) || script_.isDue(FaultKind::kHang) ||
-        script_.clock().mono() < end_) {
-      return gate(id, "recover");
-    }
+    // One that lasts is met again; one of a single call, waiting behind another, is used up here.
+    const bool lost = start(FaultKind::kLost, Errc::kLost);
+    const bool hung = !lost && start(FaultKind::kHang, Errc::kTimeout);
+    if (lost || hung || script_.clock().mono() < end_) return gate(id, "recover");
     code_.reset();
     return std::nullopt;
   }
@@ -41,11 +41,12 @@ class Presence {
   }
 
  private:
-  void start(FaultKind kind, Errc code) {
-    if (const auto due = script_.take(kind)) {
-      code_ = code;
-      end_ = due->end;
-    }
+  bool start(FaultKind kind, Errc code) {
+    const auto due = script_.take(kind);
+    if (!due) return false;
+    code_ = code;
+    end_ = due->end;
+    return true;
   }
 
   FaultScript script_;

@@ -18,13 +18,20 @@ constexpr UtcTime kStart = utcFromNs(1'714'564'800'000'000'000);
 class FaultyDevicesTest : public ::testing::Test {
  protected:
   Rig rigWith(const std::string& device, FaultKind kind, Nanoseconds at, Nanoseconds duration) {
+    return rigWith({faultOf(device, kind, at, duration)});
+  }
+  static Fault faultOf(const std::string& device, FaultKind kind, Nanoseconds at,
+                       Nanoseconds duration) {
     Fault fault;
     fault.at = at;
     fault.device = device;
     fault.kind = kind;
     fault.duration = duration;
+    return fault;
+  }
+  Rig rigWith(const std::vector<Fault>& faults) {
     FaultPlan plan;
-    plan.faults = {fault};
+    plan.faults = faults;
     Rig rig;
     rig.cameras.push_back(patina::testing::makeStubCamera("cam0", clock));
     rig.lights.push_back(patina::testing::makeStubLight("key"));
@@ -67,6 +74,16 @@ TEST_F(FaultyDevicesTest, ALostLightKeepsTheLevelItHad) {
   EXPECT_THAT(light.isOn(), Fails(Errc::kLost));
   EXPECT_THAT(light.recover(), IsOk());
   EXPECT_THAT(light.set(0), IsOk());
+}
+
+TEST_F(FaultyDevicesTest, TwoFaultsOfOneCallAreBothOverInTheEnd) {
+  Rig rig =
+      rigWith({faultOf("key", FaultKind::kLost, 0s, 0s), faultOf("key", FaultKind::kHang, 0s, 0s)});
+  Light& light = *rig.lights[0];
+  EXPECT_THAT(light.set(1), Fails(Errc::kLost));
+  EXPECT_THAT(light.recover(), Fails(Errc::kTimeout)) << "the second, that was waiting";
+  EXPECT_THAT(light.recover(), IsOk());
+  EXPECT_THAT(light.set(1), IsOk());
 }
 
 TEST_F(FaultyDevicesTest, AHungLightTakesItsTimeToFail) {
