@@ -28,6 +28,11 @@ int framesAskedFor() {
   return text != nullptr ? std::atoi(text) : 3;
 }
 
+// The short form lets each call fail with one of the errors in turn; the long one with each.
+bool isTurnOf(int turn, std::int64_t k) {
+  return std::getenv("PATINA_CALL_FRAMES") != nullptr || k % 4 == turn;
+}
+
 enum class Fault { kNone, kError, kShortWrite };
 
 class Run {
@@ -69,7 +74,8 @@ class Run {
 
 // Each step has its row in a run that was never disturbed; a failed one may leave none.
 void dropGaps(std::vector<std::string>& problems) {
-  std::erase_if(problems, [](const std::string& p) { return p.starts_with("step "); });
+  std::erase_if(problems,
+                [](const std::string& p) { return p.find(" instead of ") != std::string::npos; });
 }
 
 struct Outcome {
@@ -96,31 +102,34 @@ Outcome failCall(std::int64_t k, Fault fault, int error, int frames) {
   return outcome;
 }
 
-void failEveryCall(Fault fault, int error, const char* name) {
+void failEveryCall(int turn, Fault fault, int error, const char* name) {
   const int frames = framesAskedFor();
-  std::int64_t failed = 0, k = 0, calls = 0;
-  // Until a run ends before it meets its fault.
-  do {
-    ++k;
+  std::int64_t failed = 0, tried = 0, calls = 0;
+  bool met = true;  // until a run ends before it meets its fault
+  for (std::int64_t k = 1; met; ++k) {
+    if (!isTurnOf(turn, k)) continue;
+    ++tried;
     SCOPED_TRACE(std::string(name) + " at call " + std::to_string(k));
     const Outcome outcome = failCall(k, fault, error, frames);
     calls = outcome.calls;
+    met = calls >= k;
     failed += outcome.failures > 0 ? 1 : 0;
     if (::testing::Test::HasFailure()) return;
-  } while (calls >= k);
-  std::printf("%s: each of %lld calls of a run of %d frames failed once, %lld runs noticed\n", name,
-              static_cast<long long>(k), frames, static_cast<long long>(failed));
+  }
+  std::printf("%s: %lld of the %lld calls of a run of %d frames failed once, %lld runs noticed\n",
+              name, static_cast<long long>(tried), static_cast<long long>(calls), frames,
+              static_cast<long long>(failed));
   if (fault == Fault::kShortWrite)
     EXPECT_EQ(failed, 0) << "a short write is no failure";
   else
-    EXPECT_GT(failed, k / 3);
+    EXPECT_GT(failed, tried / 3);
 }
 
-TEST(EveryCall, MayFailWithAnInputOutputError) { failEveryCall(Fault::kError, EIO, "EIO"); }
-TEST(EveryCall, MayFailOnAFullDisk) { failEveryCall(Fault::kError, ENOSPC, "ENOSPC"); }
+TEST(EveryCall, MayFailWithAnInputOutputError) { failEveryCall(0, Fault::kError, EIO, "EIO"); }
+TEST(EveryCall, MayFailOnAFullDisk) { failEveryCall(1, Fault::kError, ENOSPC, "ENOSPC"); }
 // FileOps retries EINTR; one that breaks that promise is a disk that fails.
-TEST(EveryCall, MayFailInterrupted) { failEveryCall(Fault::kError, EINTR, "EINTR"); }
-TEST(EveryCall, MayWriteShort) { failEveryCall(Fault::kShortWrite, 0, "short write"); }
+TEST(EveryCall, MayFailInterrupted) { failEveryCall(2, Fault::kError, EINTR, "EINTR"); }
+TEST(EveryCall, MayWriteShort) { failEveryCall(3, Fault::kShortWrite, 0, "short write"); }
 
 }  // namespace
 }  // namespace patina::db::testing

