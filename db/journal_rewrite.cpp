@@ -37,13 +37,7 @@ class Rewriter {
     write(lines.finish());
   }
 
-  std::int64_t finish() {
-    checkDisk(file_->sync(), "syncing", path_);
-    return size_;
-  }
-
- private:
-  void write(const std::string& text) {
+  void write(std::string_view text) {
     auto left = std::as_bytes(std::span(text));
     while (!left.empty()) {
       const std::int64_t got = file_->write(left, size_);
@@ -52,6 +46,13 @@ class Rewriter {
       left = left.subspan(static_cast<std::size_t>(got));
     }
   }
+
+  std::int64_t finish() {
+    checkDisk(file_->sync(), "syncing", path_);
+    return size_;
+  }
+
+ private:
   std::filesystem::path path_;
   Database& database_;
   std::unique_ptr<File> file_;
@@ -61,7 +62,7 @@ class Rewriter {
 }  // namespace
 
 std::int64_t rewriteJournal(FileOps& files, const std::filesystem::path& archive,
-                            Database& database, const std::string& name) {
+                            Database& database, const std::string& name, std::string_view tail) {
   const auto temporary = archive / "tmp" / (name + ".jsonl");
   Rewriter rewriter(files, temporary, database);
   if (name == kSharedJournal) {
@@ -82,6 +83,7 @@ std::int64_t rewriteJournal(FileOps& files, const std::filesystem::path& archive
     rewriter.table<LightCheckRow>("run_id = ?", name);
     rewriter.table<EventRow>("run_id = ?", name);
   }
+  rewriter.write(tail);
   const std::int64_t size = rewriter.finish();
   const auto path = journalPath(archive, name);
   checkDisk(files.renameReplace(temporary, path), "renaming to", path);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cerrno>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "db/archive_state.h"
@@ -21,28 +24,88 @@ std::int64_t sizeOf(const std::filesystem::path& path) {
   return error ? 0 : static_cast<std::int64_t>(size);
 }
 
+std::string bytesOf(FileOps& files, const std::filesystem::path& path, std::int64_t from) {
+  std::unique_ptr<File> file;
+  checkDisk(files.open(path, FileOps::Mode::kRead, &file), "opening", path);
+  std::string bytes(static_cast<std::size_t>(std::max<std::int64_t>(0, sizeOf(path) - from)), 0);
+  for (std::size_t have = 0; have < bytes.size();) {
+    const auto left = std::as_writable_bytes(std::span(bytes).subspan(have));
+    const std::int64_t got = file->read(left, from + static_cast<std::int64_t>(have));
+    checkDisk(got, "reading", path);
+    if (got == 0) bytes.resize(have);
+    have += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+bool hasDamagedLines(FileOps& files, const std::filesystem::path& journal, std::int64_t mark) {
+  int bad = 0;
+  const std::int64_t whole = scanJournal(files, journal, 0, mark,
+                                         [&bad](JournalBatch&& batch) { bad += batch.bad_lines; });
+  return bad > 0 || whole < mark;
+}
+
+// Kept for whoever wants to look: quarantine/<name>-damaged.jsonl.
+void keepDamaged(FileOps& files, const std::filesystem::path& archive, const std::string& name) {
+  const auto folder = archive / "quarantine", made = archive / "tmp" / (name + "-damaged.jsonl");
+  const int got = files.makeFolder(folder);
+  if (got != -EEXIST) checkDisk(got, "making", folder);
+  files.remove(made);
+  {
+    std::unique_ptr<File> file;
+    checkDisk(files.open(made, FileOps::Mode::kCreate, &file), "creating", made);
+    const std::string text = bytesOf(files, journalPath(archive, name), 0);
+    auto left = std::as_bytes(std::span(text));
+    while (!left.empty()) {
+      const std::int64_t put =
+          file->write(left, static_cast<std::int64_t>(text.size() - left.size()));
+      if (put <= 0) throwDiskError(put < 0 ? static_cast<int>(-put) : ENOSPC, "writing", made);
+      left = left.subspan(static_cast<std::size_t>(put));
+    }
+    checkDisk(file->sync(), "syncing", made);
+  }
+  const auto kept = folder / made.filename();
+  checkDisk(files.renameReplace(made, kept), "renaming to", kept);
+  checkDisk(files.syncFolder(folder), "syncing", folder);
+}
+
 // What only the old catalogue still knows goes into its journal first; a catalogue that cannot be
-// read has nothing to say: false.
+// read has nothing to say: false. One that is damaged itself mends no damaged journal.
 bool saveWhatJournalsLack(FileOps& files, const std::filesystem::path& archive) {
   const auto file = archive / "catalog.sqlite";
   if (sizeOf(file) == 0) return false;
   std::shared_ptr<Database> old;
-  std::vector<std::string> short_ones;
+  std::vector<std::string> short_ones, damaged;
+  std::map<std::string, std::int64_t> mark_of;
   std::int64_t version = 0;
   try {
     old = openForReading(file);
     version = old->number("PRAGMA user_version");
     checkVersion(*old);
     Statement marks(*old, "SELECT journal, bytes FROM journal_mark");
-    while (marks.step())
-      if (sizeOf(journalPath(archive, std::string(marks.text(0)))) < marks.integer(1))
-        short_ones.emplace_back(marks.text(0));
+    const bool sound =
+        old->number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check <> 'ok'") ==
+        0;
+    while (marks.step()) {
+      const std::string name(marks.text(0));
+      const auto path = journalPath(archive, name);
+      mark_of[name] = marks.integer(1);
+      if (sizeOf(path) < marks.integer(1))
+        short_ones.push_back(name);
+      else if (sound && hasDamagedLines(files, path, marks.integer(1)))
+        damaged.push_back(name);
+    }
   } catch (const ArchiveError&) {
     // Damaged is why we are here; newer is not ours to replace.
     if (version > kSchemaVersion) throw;
     return false;
   }
   for (const auto& name : short_ones) rewriteJournal(files, archive, *old, name);
+  for (const auto& name : damaged) {
+    keepDamaged(files, archive, name);
+    rewriteJournal(files, archive, *old, name,
+                   bytesOf(files, journalPath(archive, name), mark_of[name]));
+  }
   return true;
 }
 
