@@ -3,7 +3,7 @@
 JOBS ?= $(shell nproc)
 export CTEST_PARALLEL_LEVEL ?= $(JOBS)
 
-.PHONY: all packages build demo test test-long test-asan bench lint clean
+.PHONY: all packages build demo test test-long test-powercut test-asan bench lint clean
 
 all: build
 
@@ -22,6 +22,10 @@ test: build
 
 test-long: build
 	@ctest --preset long
+
+# 5,000 power cuts on ext4 and XFS under the program itself: root, /dev/fuse and loop devices.
+test-powercut: build
+	@ctest --preset long -L '^powercut$$' -V
 
 # The rooms that guard the archive, under AddressSanitizer and UndefinedBehaviorSanitizer.
 test-asan: packages

@@ -66,4 +66,6 @@ patina_import(muparser HEADER muParser.h LIBRARIES muparser)
 
 # gmock_main is an archive: a test that brings its own main() simply wins.
 patina_import(gtest HEADER gmock/gmock.h LIBRARIES gmock_main gmock gtest LINKS Threads::Threads)
+# Only a test's disk.
+patina_import(fuse HEADER fuse3/fuse.h LIBRARIES fuse3)
 patina_import(benchmark HEADER benchmark/benchmark.h LIBRARIES benchmark LINKS Threads::Threads)

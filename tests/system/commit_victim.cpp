@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     options.folder = arguments.archive;
     options.owner = "commit victim";
     options.at_point = testing::dieAtPoint(arguments);
+    options.mutant = arguments.mutant;
     testing::liveOn(options, 1'000'000, 1, [&](const testing::Acked& acked) {
       testing::tellAck(arguments.acks, "victim", acked.shot_id, 0, acked.sha256, 0);
     });

@@ -31,10 +31,11 @@ size = "64x48"
 constexpr const char* kPlan = R"(rig = "rig.toml"
 specimen = "card"
 interval = "50ms"
-duration = "24h"
 [[sweep]]
 lights = [["key"], []]
 exposures = ["1/100"]
+[disk]
+reserve = "1MB"
 )";
 
 UtcTime lastRowOf(const db::ArchiveReader& reader, const db::RunRow& run) {
@@ -59,11 +60,13 @@ void run(const testing::VictimArguments& arguments) {
   for (const auto& camera : rig_spec.cameras)
     rig_spec.patches.push_back(
         {camera.id, devices::twin::pictureLayout(rig_spec, camera).patch_px});
-  const capture::Plan plan = capture::parsePlan(kPlan, "plan.toml");
+  const capture::Plan plan =
+      capture::parsePlan("duration = \"" + arguments.duration + "\"\n" + kPlan, "plan.toml");
   db::ArchiveOptions options;
   options.folder = arguments.archive;
   options.owner = "session victim";
   options.at_point = testing::dieAtPoint(arguments);
+  options.mutant = arguments.mutant;
   db::Archive archive(options);
   const auto clock = clockOf(arguments.clock, archive.reader());
   const capture::RunStart start = capture::startRun(plan, rig_spec, archive, *clock, {});

@@ -9,6 +9,19 @@
 #include <memory>
 
 namespace patina::testing {
+namespace {
+
+using Mutant = db::ArchiveOptions::Mutant;
+
+Mutant parseMutant(const std::string& name) {
+  if (name == "no_file_sync") return Mutant::kNoFileSync;
+  if (name == "no_folder_sync") return Mutant::kNoFolderSync;
+  if (name == "synchronous_normal") return Mutant::kSynchronousNormal;
+  std::fprintf(stderr, "there is no mutant %s\n", name.c_str());
+  std::exit(64);
+}
+
+}  // namespace
 
 VictimArguments parseVictimArguments(int argc, char** argv) {
   VictimArguments arguments;
@@ -17,6 +30,8 @@ VictimArguments parseVictimArguments(int argc, char** argv) {
     if (name == "--archive") arguments.archive = value;
     if (name == "--log-acks") arguments.acks = std::atoi(value.c_str());
     if (name == "--clock") arguments.clock = value;
+    if (name == "--duration") arguments.duration = value;
+    if (name == "--mutant") arguments.mutant = parseMutant(value);
     if (name == "--die-at") {
       const auto colon = value.find(':');
       arguments.point = value.substr(0, colon);
@@ -24,7 +39,9 @@ VictimArguments parseVictimArguments(int argc, char** argv) {
     }
   }
   if (!arguments.archive.empty() && arguments.acks >= 0) return arguments;
-  std::fprintf(stderr, "%s --archive DIR --log-acks NUMBER [--die-at POINT:N] [--clock real]\n",
+  std::fprintf(stderr,
+               "%s --archive DIR --log-acks NUMBER [--die-at POINT:N] [--mutant NAME] "
+               "[--clock real] [--duration 24h]\n",
                argv[0]);
   std::exit(64);
 }
