@@ -3,7 +3,7 @@
 JOBS ?= $(shell nproc)
 export CTEST_PARALLEL_LEVEL ?= $(JOBS)
 
-.PHONY: all packages build demo test test-long test-powercut test-asan bench lint clean
+.PHONY: all packages build demo test test-long test-powercut test-asan fuzz bench lint clean
 
 all: build
 
@@ -27,6 +27,14 @@ test-long: build
 test-powercut: build
 	@ctest --preset long -L '^powercut$$' -V
 
+# SECONDS=900 make fuzz: each reader of others' bytes so long under libFuzzer.
+SECONDS ?= 60
+fuzz:
+	@packaging/install-packages.sh fuzz
+	@cmake --preset fuzz >/dev/null
+	@cmake --build --preset fuzz -j $(JOBS)
+	@packaging/fuzz.sh $(SECONDS)
+
 # The rooms that guard the archive, under AddressSanitizer and UndefinedBehaviorSanitizer.
 test-asan: packages
 	@cmake --preset asan-ubsan >/dev/null
@@ -42,4 +50,4 @@ lint: packages
 	@packaging/lint.sh
 
 clean:
-	@cmake -E rm -rf build build-release build-asan build-tsan out
+	@cmake -E rm -rf build build-release build-asan build-tsan build-fuzz out

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# install-packages.sh [lint]   installs what is missing of Debian 12; silent when all is there. Never asks.
+# install-packages.sh [lint | fuzz]   installs what is missing of Debian 12; silent when all is there. Never asks.
 # docs/dependencies.md says why each package is here; tests/house compares the two lists.
 packages='
   ccache cmake e2fsprogs g++ git make ninja-build xfsprogs libavcodec-dev
@@ -11,8 +11,10 @@ packages='
   libopenblas-dev libopencv-core-dev libopencv-imgproc-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev
   libsqlite3-dev libssl-dev libswscale-dev libtbb-dev libtiff-dev libtomlplusplus-dev nlohmann-json3-dev python3-h5py'
 lint_packages='clang-format clang-tidy'
+fuzz_packages='clang-14 libclang-rt-14-dev'
 
 [ "$1" = lint ] && packages="$packages $lint_packages"
+[ "$1" = fuzz ] && packages="$packages $fuzz_packages"
 
 # One query for all; "install ok installed" or "hold ok installed" is there, whatever the architecture.
 present=" $(dpkg-query -W -f '${Package}=${db:Status-Status} ' $packages 2>/dev/null)"

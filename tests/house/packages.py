@@ -8,7 +8,7 @@ import sys
 
 
 def installed(script):
-    lists = re.findall(r"^(?:lint_)?packages='([^']*)'", script, re.MULTILINE)
+    lists = re.findall(r"^(?:[a-z]+_)?packages='([^']*)'", script, re.MULTILINE)
     return {package for words in lists for package in words.split()}
 
 
