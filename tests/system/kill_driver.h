@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ class KillDriver {
   // else the victim's next life recovers).
   std::vector<std::string> kill(int round);
 
+  std::filesystem::path archive() const { return folder_ / "archive"; }
   std::size_t acked() const { return judge_.count(); }
   int at_points() const { return at_points_; }
   // From the start of a process to its first acknowledgement, the longest.
