@@ -26,7 +26,8 @@ class JsonReader {
     get(*this, field);
   }
   bool isNull() const { return value_->is_null(); }
-  std::int64_t integer() const { return value_->get<std::int64_t>(); }
+  // By reference: get<>() would also take a number with a fraction, or of any size.
+  std::int64_t integer() const { return value_->get_ref<const Json::number_integer_t&>(); }
   double real() const {
     if (value_->is_null()) return std::numeric_limits<double>::quiet_NaN();
     if (value_->is_string()) return *value_ == "inf" ? HUGE_VAL : -HUGE_VAL;

@@ -71,6 +71,18 @@ TEST_F(JournalScan, ATailTornAtAnyByteGivesOnlyWholeTransactions) {
   }
 }
 
+TEST_F(JournalScan, ANumberThatIsNoWholeOneMakesABadLine) {
+  for (const char* number : {"1e23", "1.5", "null", "\"1\""}) {
+    std::string line = text_.substr(0, text_.find(",\"crc32\""));
+    line.replace(line.find("\"id\":1"), 6, std::string("\"id\":") + number);
+    char crc[32];
+    std::snprintf(crc, sizeof crc, ",\"crc32\":\"%08x\"}\n", crc32(line));
+    scan(line + crc + text_.substr(text_.find('\n') + 1));
+    ASSERT_EQ(batches_.size(), 3u);
+    EXPECT_EQ(batches_[0].bad_lines, 1) << number;
+  }
+}
+
 TEST_F(JournalScan, AFlippedBitAnywhereIsNoticed) {
   for (std::size_t at = 0; at < static_cast<std::size_t>(ends_[0]); ++at) {
     std::string damaged = text_;
