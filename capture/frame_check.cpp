@@ -100,7 +100,7 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
   checked.frame = &frame;
   checked.sha256 = sha256(frame.bytes);
   const auto last = last_.find(frame.file_index);
-  const bool repeated = last != last_.end() && last->second == checked.sha256;
+  const bool repeated = last != last_.end() && last->second.sha256 == checked.sha256;
 
   const bool first = frame.file_index == 0;
   Decoded d;
@@ -126,7 +126,8 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
     return refuse(
         out, FrameFault::kWrongSize,
         "samples of " + std::to_string(d.bits) + " bits, contract " + std::to_string(caps_.bits));
-  if (repeated && lit && !d.all_equal)
+  // Two pictures of the dark may be equal, if neither was to show anything.
+  if (repeated && (lit || last->second.lit) && !d.all_equal)
     return refuse(out, FrameFault::kDuplicate, "the previous picture came again as a new one");
   checked.size = d.size;
   checked.saturated_fraction = d.saturated_fraction;
@@ -140,6 +141,7 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
 ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
                             const devices::Ticket& ticket, bool lit) const {
   ShotCheck out;
+  out.lit = lit;
   std::vector<const devices::RawFrame*> files(std::max<std::size_t>(caps_.extensions.size(), 1));
   for (const devices::RawFrame& frame : frames) {
     if (frame.sequence != 0 && frame.sequence != ticket.sequence) {
@@ -176,7 +178,8 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
 }
 
 void FrameCheck::remember(const ShotCheck& accepted) {
-  for (const CheckedFrame& f : accepted.frames) last_[f.frame->file_index] = f.sha256;
+  for (const CheckedFrame& f : accepted.frames)
+    last_[f.frame->file_index] = {f.sha256, accepted.lit};
 }
 
 }  // namespace patina::capture

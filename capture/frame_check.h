@@ -40,6 +40,7 @@ struct ShotCheck {
   std::optional<calibration::PatchLevel> patch;  // of the first file
   double saturated_fraction = 0;                 // of the first file
   bool all_equal = false;  // black or flat: a verdict of the light, never a refusal
+  bool lit = false;        // some lamp was on
 };
 
 // The contract of one camera, and what its last picture was. One object a camera.
@@ -59,7 +60,11 @@ class FrameCheck {
 
   const devices::CameraCaps& caps_;
   std::optional<RectPx> patch_;
-  std::map<int, Sha256> last_;  // by file_index
+  struct Last {
+    Sha256 sha256;
+    bool lit = false;
+  };
+  std::map<int, Last> last_;  // by file_index
 };
 
 }  // namespace patina::capture
