@@ -3,13 +3,12 @@
 # install-packages.sh [lint | fuzz]   installs what is missing of Debian 12; silent when all is there. Never asks.
 # docs/dependencies.md says why each package is here; tests/house compares the two lists.
 packages='
-  ccache cmake e2fsprogs g++ git make ninja-build xfsprogs libavcodec-dev
-  libavformat-dev libavutil-dev libbenchmark-dev libcli11-dev libcurl4-openssl-dev libexiv2-dev libexpected-dev
-  libfftw3-dev libgmock-dev libgtest-dev libhdf5-dev libjpeg-dev liblapacke-dev libmicrohttpd-dev libmosquitto-dev
-  libmuparser-dev libopenblas-dev libopencv-core-dev libopencv-imgproc-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev
-  libfftw3-dev libfuse3-dev libgmock-dev libgtest-dev libhdf5-dev libjpeg-dev liblapacke-dev libmosquitto-dev libmuparser-dev
-  libopenblas-dev libopencv-core-dev libopencv-imgproc-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev
-  libsqlite3-dev libssl-dev libswscale-dev libtbb-dev libtiff-dev libtomlplusplus-dev nlohmann-json3-dev python3-h5py'
+  ccache cmake e2fsprogs g++ git libavcodec-dev libavformat-dev libavutil-dev libbenchmark-dev libcli11-dev
+  libcurl4-openssl-dev libexiv2-dev libexpected-dev libfftw3-dev libfuse3-dev libgmock-dev libgtest-dev
+  libhdf5-dev libjpeg-dev liblapacke-dev libmicrohttpd-dev libmosquitto-dev libmuparser-dev libopenblas-dev
+  libopencv-core-dev libopencv-imgproc-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev libsqlite3-dev
+  libssl-dev libswscale-dev libtbb-dev libtiff-dev libtomlplusplus-dev make ninja-build nlohmann-json3-dev
+  python3-h5py xfsprogs'
 lint_packages='clang-format clang-tidy'
 fuzz_packages='clang-14 libclang-rt-14-dev'
 
