@@ -198,7 +198,7 @@ class Server::Impl {
     for (MonoTime due = begun + kRound; clock_.sleepUntil(due, stop) == devices::Wake::kDue;
          due = std::max(due + kRound, clock_.mono())) {
       const Connections::Shut shut = connections_.shutLate(clock_.mono());
-      metrics_.counter("patina_http_late_total").add(static_cast<double>(shut.late));
+      late_.add(static_cast<double>(shut.late));
       if (shut.streams > 0) events_->nudge();
       if (clock_.mono() < beat_due) continue;
       events_->beat();
@@ -209,6 +209,7 @@ class Server::Impl {
   const ServerOptions options_;
   devices::Clock& clock_;
   Metrics& metrics_;
+  Counter& late_ = metrics_.counter("patina_http_late_total");  // from the first scrape on
   Credentials credentials_;
   Descriptor tcp_, unix_;
   int port_ = 0;
