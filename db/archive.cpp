@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "db/archive.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -82,6 +83,7 @@ const RecoveryReport& Archive::recovery() const { return state_->report; }
 const ArchiveReader& Archive::reader() const { return *state_->reader; }
 
 void Archive::beginRun(const RunRow& run, const SpecimenRow& specimen) {
+  const std::lock_guard lock(state_->mutex);
   state_->beginRun(run, specimen);
 }
 
@@ -110,15 +112,28 @@ void Archive::State::beginRun(const RunRow& run, const SpecimenRow& specimen) {
 }
 
 void Archive::setRunState(const std::string& run_id, const std::string& state) {
+  const std::lock_guard lock(state_->mutex);
   auto record = findRecord(*state_->database, run_id);
   if (!record) throw ArchiveError(Exit::kUsage, "there is no run '" + run_id + "'");
   record->row.state = state;
   Change change = state_->changeOf(run_id);
   change.add(How::kUpsert, *record);
   state_->commitSmall(run_id, change);
+  if (state != "running" && state != "paused") state_->closeJournalOf(run_id);
+}
+
+bool Archive::changeRunState(const std::string& run_id, const std::vector<std::string>& from,
+                             const std::string& to) {
+  const std::lock_guard lock(state_->mutex);
+  const auto record = findRecord(*state_->database, run_id);
+  if (!record) throw ArchiveError(Exit::kUsage, "there is no run '" + run_id + "'");
+  if (std::find(from.begin(), from.end(), record->row.state) == from.end()) return false;
+  setRunState(run_id, to);
+  return true;
 }
 
 std::optional<RunState> Archive::runState(const std::string& run_id) const {
+  const std::lock_guard lock(state_->mutex);
   const ArchiveReader& reader = *state_->reader;
   if (!findRecord(*state_->database, run_id)) return std::nullopt;
   RunState found{reader.findRun(run_id), {}, {}};
@@ -134,22 +149,24 @@ std::optional<RunState> Archive::runState(const std::string& run_id) const {
 }
 
 void Archive::addDevice(const DeviceRow& device) {
+  const std::lock_guard lock(state_->mutex);
   state_->checkUsable();
   state_->insertDevice(device);
 }
 
 RowId Archive::beginStep(const StepRow& step) {
   State& s = *state_;
+  const std::lock_guard lock(s.mutex);
   s.checkUsable();
   s.checkNewStep(step);
   StepRow row = step;
   row.id = s.next.step++;
-  if (s.deferred) {  // a step nothing came of; it is kept, as it was begun
-    Change change = s.changeOf(s.deferred->run_id);
-    s.commit(std::string(s.deferred->run_id), change);
+  if (s.deferred.contains(row.run_id)) {  // a step nothing came of; it is kept, as it was begun
+    Change change = s.changeOf(row.run_id);
+    s.commit(row.run_id, change);
   }
   if (row.decision == Decision::kPending) {
-    s.deferred = row;
+    s.deferred.insert_or_assign(row.run_id, row);
     return row.id;
   }
   Change change;
@@ -160,6 +177,7 @@ RowId Archive::beginStep(const StepRow& step) {
 
 void Archive::addSteps(std::span<const StepRow> decided) {
   if (decided.empty()) return;
+  const std::lock_guard lock(state_->mutex);
   const std::string run_id = decided.front().run_id;
   Change change = state_->changeOf(run_id);
   for (StepRow row : decided) {
@@ -173,9 +191,11 @@ void Archive::addSteps(std::span<const StepRow> decided) {
 
 void Archive::finishStep(const StepRow& step) {
   State& s = *state_;
+  const std::lock_guard lock(s.mutex);
   Change change;
   // Begun and decided with nothing between: one row, inserted as it ended.
-  const bool in_no_table = s.deferred && s.deferred->id == step.id;
+  const auto begun = s.deferred.find(step.run_id);
+  const bool in_no_table = begun != s.deferred.end() && begun->second.id == step.id;
   if (!in_no_table) change = s.changeOf(step.run_id);
   change.add(in_no_table ? How::kInsert : How::kFinishStep, step);
   s.commitSmall(step.run_id, change);
@@ -183,6 +203,7 @@ void Archive::finishStep(const StepRow& step) {
 
 void Archive::addLightChecks(std::span<const LightCheckRow> checks) {
   if (checks.empty()) return;
+  const std::lock_guard lock(state_->mutex);
   const std::string run_id = checks.front().run_id;
   Change change = state_->changeOf(run_id);
   for (LightCheckRow row : checks) {
@@ -197,6 +218,7 @@ void Archive::addReading(const ReadingRow& reading) { addReadings({&reading, 1})
 
 void Archive::addReadings(std::span<const ReadingRow> readings) {
   if (readings.empty()) return;
+  const std::lock_guard lock(state_->mutex);
   const std::string run_id = readings.front().run_id;
   for (const ReadingRow& row : readings) state_->ensureDevice(row.device_id, "sensor");
   Change change = state_->changeOf(run_id);
@@ -208,17 +230,24 @@ void Archive::addReadings(std::span<const ReadingRow> readings) {
   state_->commit(run_id, change);
 }
 
-void Archive::addEvent(const EventRow& event) { state_->addEvent(event); }
+void Archive::addEvent(const EventRow& event) {
+  const std::lock_guard lock(state_->mutex);
+  state_->addEvent(event);
+}
 
 void Archive::quarantine(std::span<const std::byte> bytes, const std::string& ext,
                          const EventRow& why) {
+  const std::lock_guard lock(state_->mutex);
   state_->checkUsable();
   checkExtension(ext);
   state_->store->quarantine(bytes, ext);
   state_->addEvent(why);
 }
 
-void Archive::renewReserve() { state_->keepReserve(); }
+void Archive::renewReserve() {
+  const std::lock_guard lock(state_->mutex);
+  state_->keepReserve();
+}
 
 Space Archive::space() const {
   Space space;

@@ -64,7 +64,14 @@ struct RunState {  // what a restarted session needs
   std::optional<StepRow> unfinished;        // pending: the process died in it
 };
 
-// The one owner (flock, dies with the process). Opens or creates, migrates, recovers. Thread-bound.
+// The one owner (flock, dies with the process). Opens or creates, migrates, recovers.
+//
+// Thread-safe: several sessions may share it, each for runs of its own. Every call is whole under
+// one lock, which is held while journal and catalogue are synced; a frame's bytes are written
+// before it is taken, so a large picture of one run does not delay the trigger of another. Rows of
+// one run come from one thread at a time; setRunState and changeRunState from any. `files` and
+// `at_point` are called from as many threads as call us.
+//
 // After DiskFull the archive goes on as soon as there is room. After a kIo of journal or catalogue
 // it refuses every further change: end the process (or make a new Archive), which recovers.
 class Archive {
@@ -75,10 +82,15 @@ class Archive {
   Archive& operator=(const Archive&) = delete;
 
   const RecoveryReport& recovery() const;
-  const ArchiveReader& reader() const;  // same connection: sees uncommitted nothing
+  // Same connection and lock: sees uncommitted nothing; eachFrame keeps others waiting.
+  const ArchiveReader& reader() const;
 
   void beginRun(const RunRow& run, const SpecimenRow& specimen);
   void setRunState(const std::string& run_id, const std::string& state);
+  // Only from one of the states `from`; answers whether it was. What a person asks for, while a
+  // session may be ending, is written so before it is acted on.
+  bool changeRunState(const std::string& run_id, const std::vector<std::string>& from,
+                      const std::string& to);
   std::optional<RunState> runState(const std::string& run_id) const;
 
   void addDevice(const DeviceRow& device);  // or update; a shot's or reading's device is added bare

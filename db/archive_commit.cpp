@@ -44,10 +44,9 @@ class Placing {
   bool kept_ = false;
 };
 
-FrameRow rowOf(const PendingFrame& frame, RowId id, RowId shot_id, UtcTime now) {
+FrameRow rowOf(const PendingFrame& frame, RowId shot_id, UtcTime now) {
   checkExtension(frame.ext);
   FrameRow row;
-  row.id = id;
   row.shot_id = shot_id;
   row.file_index = frame.file_index;
   row.sha256 = sha256(frame.bytes);
@@ -65,6 +64,7 @@ FrameRow rowOf(const PendingFrame& frame, RowId id, RowId shot_id, UtcTime now) 
 
 RowId Archive::armShot(const ShotRow& shot) {
   State& s = *state_;
+  const std::lock_guard lock(s.mutex);
   s.checkUsable();
   s.ensureDevice(shot.device_id, "camera");
   const std::string run_id = s.runOfStep(shot.step_id);
@@ -83,12 +83,20 @@ std::vector<FrameRow> Archive::acknowledge(const ShotRow& shot,
                                            std::span<const LightCheckRow> checks, UtcTime now,
                                            const StepRow* finished) {
   State& s = *state_;
+  // Outlives `placing`: what is cleared away is cleared under it, or equal bytes of another run
+  // could go with it after they were found in place there.
+  std::unique_lock lock(s.mutex);
+  s.checkUsable();
+  lock.unlock();
+  std::vector<FrameRow> rows;
+  for (const PendingFrame& frame : frames) rows.push_back(rowOf(frame, shot.id, now));
+  Placing placing(*s.store, s.options.folder);
+  placing.write(frames);  // most of the time it takes: without the lock
+
+  lock.lock();
   s.checkUsable();
   const std::string run_id = s.runOfStep(shot.step_id);
-  std::vector<FrameRow> rows;
-  for (const PendingFrame& frame : frames)
-    rows.push_back(rowOf(frame, s.next.frame++, shot.id, now));
-
+  for (FrameRow& row : rows) row.id = s.next.frame++;
   Change change = s.changeOf(run_id);
   ShotRow captured = shot;
   captured.state = ShotState::kCaptured;
@@ -100,8 +108,6 @@ std::vector<FrameRow> Archive::acknowledge(const ShotRow& shot,
   }
   if (finished) change.add(How::kFinishStep, *finished);
 
-  Placing placing(*s.store, s.options.folder);
-  placing.write(frames);
   // The lines go out before the first rename, so that a file that found its place always has its
   // line: recovery adopts it. They are synced, and thereby promised, only after the folders are.
   Journal& journal = s.journalOf(run_id);
@@ -127,6 +133,7 @@ std::vector<FrameRow> Archive::acknowledge(const ShotRow& shot,
 
 void Archive::failShot(const ShotRow& shot, const std::string& reason) {
   State& s = *state_;
+  const std::lock_guard lock(s.mutex);
   const std::string run_id = s.runOfStep(shot.step_id);
   ShotRow failed = shot;
   failed.state = ShotState::kFailed;

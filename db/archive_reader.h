@@ -14,7 +14,8 @@
 
 namespace patina::db {
 
-// Read side: any process, any time, also while another one captures. Thread-bound.
+// Read side: any process, any time, also while another one captures. Thread-bound, but for the one
+// that an Archive gives. Long answers in pieces: archive_pages.h.
 class ArchiveReader {
  public:
   explicit ArchiveReader(const std::filesystem::path& folder);  // ArchiveError if there is none
@@ -51,6 +52,7 @@ class ArchiveReader {
 
  private:
   friend class Archive;
+  friend class ArchivePages;
   explicit ArchiveReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

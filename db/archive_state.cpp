@@ -94,17 +94,24 @@ Journal& Archive::State::journalOf(const std::string& run_id) {
       shared_journal = std::make_unique<Journal>(*files, options.folder, kSharedJournal);
     return *shared_journal;
   }
-  if (!run_journal || run_journal->name() != run_id) {
-    run_journal = std::make_unique<Journal>(*files, options.folder, run_id);
-  }
-  return *run_journal;
+  auto& journal = run_journals[run_id];
+  if (!journal) journal = std::make_unique<Journal>(*files, options.folder, run_id);
+  return *journal;
+}
+
+// A daemon sees thousands of runs: those that ended keep no descriptor. A tail that could not be
+// cut off keeps its journal, which cuts it before the next line.
+void Archive::State::closeJournalOf(const std::string& run_id) {
+  const auto found = run_journals.find(run_id);
+  if (found != run_journals.end() && !found->second->needsRepair()) run_journals.erase(found);
 }
 
 std::string Archive::State::runOfStep(RowId step_id) {
   if (known_step == step_id) return known_run;
-  if (deferred && deferred->id == step_id) {
+  for (const auto& [run_id, step] : deferred) {
+    if (step.id != step_id) continue;
     known_step = step_id;  // also when its row is in the table
-    return known_run = deferred->run_id;
+    return known_run = run_id;
   }
   Statement& statement = reader->state_->statement(Query::kRunOfStep);
   const Reading reading(statement);
@@ -144,7 +151,8 @@ void Archive::State::ensureDevice(const std::string& id, const char* kind) {
 
 Change Archive::State::changeOf(const std::string& run_id) const {
   Change change;
-  if (deferred && deferred->run_id == run_id) change.add(Change::How::kInsert, *deferred);
+  if (const auto begun = deferred.find(run_id); begun != deferred.end())
+    change.add(Change::How::kInsert, begun->second);
   return change;
 }
 
@@ -166,7 +174,7 @@ void Archive::State::commitJournal(Journal& journal, const Change& change,
     throw;
   }
   journal.settle();
-  if (deferred && deferred->run_id == journal.name()) deferred.reset();
+  deferred.erase(journal.name());
 }
 
 void Archive::State::commit(const std::string& run_id, Change& change) {
@@ -244,6 +252,7 @@ void Archive::State::openCatalogue() {
   auto reading = std::make_unique<ArchiveReader::State>();
   reading->folder = folder;
   reading->database = database;
+  reading->owner = &mutex;
   reader.reset(new ArchiveReader(std::move(reading)));
   keepReserve();
 }

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -45,6 +46,8 @@ struct NextIds {
 };
 
 struct Archive::State {
+  // Held by every public call, over everything below. Recursive: eachFrame's caller may ask again.
+  mutable std::recursive_mutex mutex;
   ArchiveOptions options;
   FileOps* files = nullptr;
   std::unique_ptr<FileLock> lock;
@@ -52,12 +55,13 @@ struct Archive::State {
   std::unique_ptr<CatalogueWriter> writer;
   std::unique_ptr<ArchiveReader> reader;
   std::unique_ptr<FrameStore> store;
-  std::unique_ptr<Journal> run_journal, shared_journal;
+  std::unique_ptr<Journal> shared_journal;
+  std::map<std::string, std::unique_ptr<Journal>> run_journals;  // of runs with a session
   RecoveryReport report;
   NextIds next;
-  std::optional<StepRow> deferred;  // begun, pending, in no table yet
-  std::set<std::string> devices;    // that have a row
-  RowId known_step = 0;             // whose run is known_run
+  std::map<std::string, StepRow> deferred;  // by run: begun, pending, in no table yet
+  std::set<std::string> devices;            // that have a row
+  RowId known_step = 0;                     // whose run is known_run
   std::string known_run;
   std::map<std::string, std::int64_t> highest_number;  // of the steps of a run; -1: none
   bool broken = false;
@@ -67,6 +71,7 @@ struct Archive::State {
   }
   void checkUsable() const;
   Journal& journalOf(const std::string& run_id);  // empty: the shared one
+  void closeJournalOf(const std::string& run_id);
   std::string runOfStep(RowId step_id);
   // Throws when the step has its row already. Asks the catalogue only for numbers that go back.
   void checkNewStep(const StepRow& step);

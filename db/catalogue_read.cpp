@@ -59,7 +59,11 @@ std::string sqlOfFrames(Query query) {
                         "frame WHERE run_id = ? AND utc_ns >= ? AND utc_ns < ? "
                         "ORDER BY utc_ns, id");
     case Query::kFrameBySha256:
-      return selectFrom(frame, "frame WHERE sha256 = ?");
+      return selectFrom(frame, "frame WHERE sha256 = ? LIMIT 1");
+    case Query::kFramesPage:
+      return selectFrom(columnList<ShotRow>("shot.") + ", " + frame,
+                        "frame JOIN shot ON shot.id = frame.shot_id WHERE frame.run_id = ? AND "
+                        "frame.id > ? ORDER BY frame.id LIMIT ?");
     default:
       return selectFrom(
           columnList<StepRow>("step.") + ", " + columnList<ShotRow>("shot.") + ", " + frame,
@@ -113,6 +117,20 @@ std::string sqlOf(Query query) {
                         "product WHERE kind = ? ORDER BY created_utc_ns, id");
     case Query::kProductInputs:
       return "SELECT sha256 FROM product_input WHERE product_id = ? ORDER BY position";
+    case Query::kDevices:
+      return selectFrom(columnList<DeviceRow>(), "device ORDER BY id");
+    case Query::kStepsByHand:
+      return selectFrom(columnList<StepRow>(),
+                        "step WHERE run_id = ? AND number IS NULL ORDER BY id LIMIT ?");
+    case Query::kStepsPage:
+      return selectFrom(columnList<StepRow>(),
+                        "step WHERE run_id = ? AND number > ? ORDER BY number LIMIT ?");
+    case Query::kLightChecksPage:
+      return selectFrom(columnList<LightCheckRow>(),
+                        "light_check WHERE run_id = ? AND id > ? ORDER BY id LIMIT ?");
+    case Query::kEventsPage:
+      return selectFrom(columnList<EventRow>(),
+                        "event WHERE run_id = ? AND id > ? ORDER BY id LIMIT ?");
     case Query::kArmedShots:
       return selectFrom(columnList<ShotRow>(), "shot WHERE state = 'armed' ORDER BY id");
     default:
@@ -145,12 +163,14 @@ ArchiveReader::ArchiveReader(const std::filesystem::path& folder)
 const std::filesystem::path& ArchiveReader::folder() const { return state_->folder; }
 
 std::vector<RunRow> ArchiveReader::runs() const {
+  const auto guard = state_->guard();
   Statement& statement = state_->statement(Query::kRuns);
   const Reading reading(statement);
   return runsOf(statement);
 }
 
 RunRow ArchiveReader::findRun(const std::string& wanted) const {
+  const auto guard = state_->guard();
   const auto choices = [](const std::vector<RunRow>& some) {
     std::string list;
     constexpr std::size_t kShown = 8;
@@ -178,6 +198,7 @@ RunRow ArchiveReader::findRun(const std::string& wanted) const {
 
 std::vector<StepRow> ArchiveReader::steps(const std::string& run_id,
                                           std::optional<Decision> decision) const {
+  const auto guard = state_->guard();
   return rowsOf<StepRow>(state_->statement(decision ? Query::kStepsDecided : Query::kSteps),
                          [&](Statement& s) {
                            s.bind(1, run_id);
@@ -186,6 +207,7 @@ std::vector<StepRow> ArchiveReader::steps(const std::string& run_id,
 }
 
 std::optional<StepRow> ArchiveReader::step(const std::string& run_id, std::int64_t number) const {
+  const auto guard = state_->guard();
   auto rows = rowsOf<StepRow>(state_->statement(Query::kStep),
                               [&](Statement& s) { s.bind(1, run_id).bind(2, number); });
   if (rows.empty()) return std::nullopt;
@@ -193,11 +215,13 @@ std::optional<StepRow> ArchiveReader::step(const std::string& run_id, std::int64
 }
 
 std::vector<ShotRow> ArchiveReader::shotsOfStep(RowId step_id) const {
+  const auto guard = state_->guard();
   return rowsOf<ShotRow>(state_->statement(Query::kShotsOfStep),
                          [&](Statement& s) { s.bind(1, step_id); });
 }
 
 std::vector<FrameRow> ArchiveReader::framesOfStep(RowId step_id) const {
+  const auto guard = state_->guard();
   Statement& statement = state_->statement(Query::kFramesOfStep);
   const Reading reading(statement);
   statement.bind(1, step_id);
@@ -205,6 +229,7 @@ std::vector<FrameRow> ArchiveReader::framesOfStep(RowId step_id) const {
 }
 
 std::optional<FrameRow> ArchiveReader::newestFrame(const std::string& run_id) const {
+  const auto guard = state_->guard();
   Statement& statement = state_->statement(Query::kNewestFrame);
   const Reading reading(statement);
   statement.bind(1, run_id);
@@ -215,6 +240,7 @@ std::optional<FrameRow> ArchiveReader::newestFrame(const std::string& run_id) co
 
 std::vector<FrameRow> ArchiveReader::framesBetween(const std::string& run_id, UtcTime from,
                                                    UtcTime to) const {
+  const auto guard = state_->guard();
   Statement& statement = state_->statement(Query::kFramesBetween);
   const Reading reading(statement);
   statement.bind(1, run_id).bind(2, toNs(from)).bind(3, toNs(to));
@@ -222,27 +248,32 @@ std::vector<FrameRow> ArchiveReader::framesBetween(const std::string& run_id, Ut
 }
 
 std::vector<LightCheckRow> ArchiveReader::lightChecks(const std::string& run_id) const {
+  const auto guard = state_->guard();
   return rowsOf<LightCheckRow>(state_->statement(Query::kLightChecks),
                                [&](Statement& s) { s.bind(1, run_id); });
 }
 
 std::vector<LightCheckRow> ArchiveReader::lightChecksOfShot(RowId shot_id) const {
+  const auto guard = state_->guard();
   return rowsOf<LightCheckRow>(state_->statement(Query::kLightChecksOfShot),
                                [&](Statement& s) { s.bind(1, shot_id); });
 }
 
 std::vector<ReadingRow> ArchiveReader::readings(const std::string& run_id) const {
+  const auto guard = state_->guard();
   return rowsOf<ReadingRow>(state_->statement(Query::kReadings),
                             [&](Statement& s) { s.bind(1, run_id); });
 }
 
 std::vector<EventRow> ArchiveReader::events(const std::string& run_id) const {
+  const auto guard = state_->guard();
   return rowsOf<EventRow>(state_->statement(Query::kEvents), [&](Statement& s) {
     run_id.empty() ? s.bindNull(1) : s.bind(1, run_id);
   });
 }
 
 std::vector<CalibrationRow> ArchiveReader::calibrations(const std::string& kind) const {
+  const auto guard = state_->guard();
   return rowsOf<CalibrationRow>(
       state_->statement(kind.empty() ? Query::kCalibrations : Query::kCalibrationsOfKind),
       [&](Statement& s) {
@@ -251,6 +282,7 @@ std::vector<CalibrationRow> ArchiveReader::calibrations(const std::string& kind)
 }
 
 std::vector<ProductRow> ArchiveReader::products(const std::string& kind) const {
+  const auto guard = state_->guard();
   auto rows = rowsOf<ProductRow>(
       state_->statement(kind.empty() ? Query::kProducts : Query::kProductsOfKind),
       [&](Statement& s) {
@@ -267,6 +299,7 @@ std::vector<ProductRow> ArchiveReader::products(const std::string& kind) const {
 
 void ArchiveReader::eachFrame(const std::string& run_id,
                               const std::function<void(const CapturedFrame&)>& each) const {
+  const auto guard = state_->guard();
   // A statement of its own: `each` may ask this reader again.
   Statement statement(*state_->database, sqlOf(Query::kEachFrame));
   statement.bind(1, run_id);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "db/archive.h"
@@ -25,6 +26,12 @@ enum class Query {
   kNewestFrame,
   kFramesBetween,
   kFrameBySha256,
+  kDevices,
+  kStepsByHand,
+  kStepsPage,
+  kFramesPage,
+  kLightChecksPage,
+  kEventsPage,
   kEachFrame,
   kLightChecks,
   kLightChecksOfShot,
@@ -37,15 +44,19 @@ enum class Query {
   kProductInputs,
   kArmedShots
 };
-constexpr int kQueryCount = 24;
+constexpr int kQueryCount = 30;
 std::string sqlOf(Query query);
 
 struct ArchiveReader::State {
   std::filesystem::path folder;
   std::shared_ptr<Database> database;
+  std::recursive_mutex* owner = nullptr;  // the Archive's, when it shares its connection
   std::array<Statement, kQueryCount> statements;
 
   Statement& statement(Query query);  // prepared at first use
+  std::unique_lock<std::recursive_mutex> guard() const {
+    return owner ? std::unique_lock(*owner) : std::unique_lock<std::recursive_mutex>();
+  }
 };
 
 }  // namespace patina::db

@@ -3,6 +3,7 @@
 // Internal to db/.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <set>
 #include <span>
@@ -17,7 +18,8 @@ std::filesystem::path framePath(const Sha256& sha256, const std::string& ext);
 // Letters and digits only, up to 16: an extension is part of a path.
 void checkExtension(const std::string& ext);
 
-// Thread-bound. `files` throws nothing; failures here are ArchiveError.
+// Thread-bound but for writeTemporary and forget. `files` throws nothing; failures here are
+// ArchiveError.
 class FrameStore {
  public:
   FrameStore(FileOps& files, const ArchiveOptions& options);
@@ -41,7 +43,7 @@ class FrameStore {
 
   FileOps& files_;
   const ArchiveOptions& options_;
-  std::int64_t written_ = 0;
+  std::atomic<std::int64_t> written_{0};
   std::set<std::string> known_folders_;  // there, and their parent synced by us
 };
 

@@ -26,8 +26,9 @@ class Journal {
   const std::string& name() const { return name_; }
   std::int64_t size() const { return size_; }  // with what was written and is not settled
   bool pending() const { return size_ != settled_; }
-  std::int64_t sizeOnDisk() const;       // the shared one grows by other hands too
-  void write(const std::string& lines);  // at the end, not synced
+  bool needsRepair() const { return needs_repair_; }  // a tail could not be taken back yet
+  std::int64_t sizeOnDisk() const;                    // the shared one grows by other hands too
+  void write(const std::string& lines);               // at the end, not synced
   void sync();  // refuses for ever after EIO: another Journal recovers what is there
   void settle() { settled_ = size_; }  // its transaction is committed
   // Cuts off what is pending. Never throws: what fails now is tried again by the next write().

@@ -24,7 +24,7 @@ struct RunRow {
   UtcTime t0_utc;
   MonoTime t0_boot;
   std::uint64_t seed = 1;
-  std::string state;                   // "running" "finished" "stopped" "aborted" "imported"
+  std::string state;                   // "running" "paused" "stopped" "finished" "aborted"
   Nanoseconds interval{}, duration{};  // zero when unknown (import by times)
   std::string rig;                     // its name in the rig file
   std::int64_t number = 0;             // in the order they were added; the archive gives it

@@ -39,7 +39,8 @@ class CatalogueReadTest : public ::testing::Test {
 
 TEST_F(CatalogueReadTest, NoQuestionScansATable) {
   // These answer with the whole of a small table, which is what was asked for.
-  const std::set<Query> whole = {Query::kRuns, Query::kCalibrations, Query::kProducts};
+  const std::set<Query> whole = {Query::kRuns, Query::kCalibrations, Query::kProducts,
+                                 Query::kDevices};
   Database database(archive() / "catalog.sqlite", Database::Access::kRead, realFileOps());
   for (int q = 0; q < kQueryCount; ++q) {
     const auto query = static_cast<Query>(q);
