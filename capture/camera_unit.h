@@ -20,6 +20,7 @@ class CameraUnit {
   const devices::CameraCaps& caps() const { return camera_.caps(); }
   devices::Camera& camera() { return camera_; }
   RecoveryLadder& ladder() { return ladder_; }
+  const RecoveryLadder& ladder() const { return ladder_; }
   FrameCheck& frames() { return frames_; }
 
   // Ready with this exposure: climbs the ladder's rung first when something failed, configures when

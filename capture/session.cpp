@@ -17,6 +17,7 @@ constexpr int kWholeStepsToLearnFrom = 6;
 constexpr std::size_t kRowsACommit = 10'000;
 constexpr Nanoseconds kAwakeEvery = 15s, kAskEvery = 250ms;
 constexpr Nanoseconds kWarnOfFullDisk = 24h;
+constexpr const char* kPaused = "paused";  // the reason of what falls due in a pause
 
 Now nowOf(const devices::Clock& clock) { return {clock.utc(), clock.mono(), clock.bootId()}; }
 
@@ -38,13 +39,19 @@ class Session {
   SessionSummary run() {
     takeUp();
     runner_.start(state_.next_number);
-    archive_.setRunState(run_id_, "running");
+    if (hooks_.paused)
+      archive_.changeRunState(run_id_, {"stopped"}, "running");
+    else
+      archive_.setRunState(run_id_, "running");
+    tell("");
     std::string end = "finished";
     while (true) {
+      if (hooks_.on_alive) hooks_.on_alive();
       if (hooks_.stop.stop_requested()) {
-        end = "stopped";
+        end = hooks_.abort.stop_requested() ? "aborted" : "stopped";
         break;
       }
+      watchPause();
       watchClock();
       const Decision d = next(plan_, state_, nowOf(clock_));
       if (d.act == Act::kFinish) break;
@@ -52,10 +59,11 @@ class Session {
     }
     runner_.end();
     // Only a disk that does not even take the rows keeps a run from its end.
-    if (retryRows())
-      archive_.setRunState(run_id_, end);
-    else if (end == "finished")
+    if (retryRows()) {
+      if (end == "finished" || !hooks_.keep_state) archive_.setRunState(run_id_, end);
+    } else if (end == "finished") {
       end = "disk";
+    }
     SessionSummary summary;
     tell(end);
     summary.last = status_;
@@ -69,6 +77,7 @@ class Session {
   void finishInterrupted(db::StepRow step);
   void takeUpRows();
   void watchClock();
+  void watchPause();
   void act(const Decision& d);
   void wait(const Decision& d);
   void shoot(const Decision& d);
@@ -84,6 +93,7 @@ class Session {
   void record(const db::StepRow& row) {
     runner_.log().step(row);
     count(row);
+    if (hooks_.on_step) hooks_.on_step(row);
   }
   void count(const db::StepRow& row);
   void tell(const std::string& note);
@@ -123,6 +133,7 @@ void Session::takeUp() {
                             (resumption.note.empty() ? "" : "; " + resumption.note)
                       : "plan " + plan_.sha256);
   if (resumption.rebooted) runner_.event("anchor", formatAnchor(state_.anchor));
+  status_.paused = hooks_.paused && left->run.state == "paused";
   if (!begun) state_.awake_mono = clock_.mono();
   if (left->unfinished) finishInterrupted(*left->unfinished);
   if (begun) {
@@ -190,6 +201,7 @@ void Session::tell(const std::string& note) {
   status_.now_utc = clock_.utc();
   status_.next_due_utc = dueUtc(plan_, state_, state_.next_number);
   status_.light = runner_.lightSummary();
+  status_.cameras = runner_.cameras();
   status_.note = note;
   if (hooks_.on_status) hooks_.on_status(status_);
 }
@@ -206,7 +218,21 @@ void Session::watchClock() {
   }
 }
 
+// Said once when it takes effect and once when it is over, also when a restart lies between.
+void Session::watchPause() {
+  const bool paused = hooks_.paused && hooks_.paused->load();
+  if (paused == status_.paused) return;
+  status_.paused = paused;
+  tryEvent(paused ? "paused" : "continued", "at step " + std::to_string(state_.next_number));
+  tell(paused ? "paused" : "");
+}
+
 void Session::act(const Decision& d) {
+  if (status_.paused && (d.act == Act::kShoot || d.act == Act::kSkip)) {
+    Decision due = d;
+    if (d.act == Act::kShoot) due.count = 1;
+    return decideWithout(due, db::Decision::kSkipped, kPaused);
+  }
   switch (d.act) {
     case Act::kWait:
       return wait(d);
@@ -226,6 +252,7 @@ void Session::wait(const Decision& d) {
   const MonoTime until = std::min(d.due_mono, clock_.mono() + kAwakeEvery);
   const Nanoseconds piece = hooks_.shoot_now ? kAskEvery : kAwakeEvery;
   while (clock_.mono() < until && !hooks_.stop.stop_requested()) {
+    watchPause();
     if (hooks_.shoot_now && hooks_.shoot_now->exchange(false)) return shootByHand(d);
     state_.awake_mono = clock_.mono();
     runner_.alerts().look(moment());
@@ -301,7 +328,8 @@ bool Session::retryRows() {
 
 void Session::decideWithout(const Decision& d, db::Decision decision, const std::string& reason) {
   const MonoTime now = clock_.mono();
-  if (decision == db::Decision::kSkipped) runner_.alerts().stepDue(d.due_mono, plan_.interval);
+  if (decision == db::Decision::kSkipped && reason != kPaused)
+    runner_.alerts().stepDue(d.due_mono, plan_.interval);
   for (std::int64_t k = d.number; k < d.number + d.count; ++k) {
     state_.next_number = k + 1;
     db::StepRow row;
@@ -362,6 +390,7 @@ void Session::shoot(const Decision& d) {
   row.number = d.number;
   row.due_utc = d.due_utc;
   row.shots_due = runner_.shotsDue();
+  status_.late = clock_.mono() - d.due_mono;
   shootRow(row, d.due_mono + plan_.interval);
   state_.next_number = d.number + 1;
   state_.awake_mono = clock_.mono();

@@ -5,8 +5,10 @@
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "capture/alerts.h"
 #include "capture/failure.h"
@@ -16,6 +18,12 @@
 #include "devices/rig.h"
 
 namespace patina::capture {
+
+struct CameraStatus {
+  std::string id;
+  bool up = true;       // false: its ladder is at its end; it is tried once a step
+  std::string trouble;  // its last error; empty: none
+};
 
 // What a person watching wants to know; after every step and hold.
 struct SessionStatus {
@@ -27,20 +35,35 @@ struct SessionStatus {
   std::uint64_t disk_free_bytes = 0;
   std::optional<UtcTime> disk_full_utc;  // when captures will stop; nothing: the run fits
   std::string note;                      // what it is doing or waiting for
+  bool paused = false;
+  Nanoseconds late{};  // of the last step that was shot: from due to begun
+  std::vector<CameraStatus> cameras;
 };
 
+// Calls come on the session's thread.
 struct SessionHooks {
   std::function<void(const SessionStatus&)> on_status;
   std::function<void(const db::FrameRow&)> on_acknowledged;  // after the promise
   std::function<void(const AlertNews&)> on_alert;            // what a person should know
-  std::function<void()> on_alive;                            // every 15 s at least, but in a shot
+  std::function<void(const db::ShotRow&)> on_shot;           // settled: captured or failed
+  std::function<void(const db::StepRow&)> on_step;           // decided
+  std::function<void(std::span<const db::LightCheckRow>)> on_light;
+  std::function<void(const db::EventRow&)> on_event;  // written
+  std::function<void()> on_alive;  // at every turn of its loops: at least once a shot, or 15 s
   std::atomic<bool>* shoot_now = nullptr;  // SIGUSR1: a manual shot at the next safe point
-  std::stop_token stop;                    // SIGTERM: finishes the frame and stops
+  // Between steps: those that fall due meanwhile are skipped, reason "paused"; a manual shot is
+  // taken all the same. Read often, written by anybody.
+  const std::atomic<bool>* paused = nullptr;
+  std::stop_token stop;   // SIGTERM: finishes the frame and stops
+  std::stop_token abort;  // with stop: waits for no light and no picture; the run is "aborted"
+  // Who stops the session has written the run's state, or wants it to go on: it stays as it is.
+  bool keep_state = false;
 };
 
 struct SessionSummary {
   SessionStatus last;
-  // "finished" "stopped"; "disk": its time is over, but the disk takes not even the last rows.
+  // "finished" "stopped" "aborted"; "disk": its time is over, but the disk takes not even the last
+  // rows.
   std::string end;
   std::string event_log_sha256;  // of every decision, verdict and frame, in order
 };
@@ -57,6 +80,7 @@ struct RunStart {  // decided before devices exist: a twin needs t0
   UtcTime t0_utc;
   bool resumed = false;
 };
+bool isUnfinished(const db::RunRow& run);  // it can go on
 RunStart startRun(const Plan& plan, const devices::RigSpec& rig, db::Archive& archive,
                   devices::Clock& clock, const SessionOptions& options);
 SessionSummary runSession(const Plan& plan, devices::Rig& rig, db::Archive& archive,

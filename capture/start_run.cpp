@@ -8,8 +8,6 @@
 namespace patina::capture {
 namespace {
 
-bool unfinished(const db::RunRow& run) { return run.state == "running" || run.state == "stopped"; }
-
 std::string freeRunId(const db::ArchiveReader& reader, UtcTime t0, const std::string& specimen) {
   const std::string base = formatUtcCompact(t0) + "-" + specimen;
   const auto runs = reader.runs();
@@ -30,12 +28,16 @@ void addDevices(const devices::RigSpec& rig, db::Archive& archive) {
 
 }  // namespace
 
+bool isUnfinished(const db::RunRow& run) {
+  return run.state == "running" || run.state == "paused" || run.state == "stopped";
+}
+
 RunStart startRun(const Plan& plan, const devices::RigSpec& rig, db::Archive& archive,
                   devices::Clock& clock, const SessionOptions& options) {
   checkAgainst(plan, rig);
   const auto runs = archive.reader().runs();
   for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
-    if (!unfinished(*run) || run->specimen != plan.specimen) continue;
+    if (!isUnfinished(*run) || run->specimen != plan.specimen) continue;
     if (options.new_run) {
       db::EventRow event;
       event.run_id = run->id;
@@ -78,6 +80,13 @@ RunStart startRun(const Plan& plan, const devices::RigSpec& rig, db::Archive& ar
   specimen.name = plan.specimen;
   archive.beginRun(run, specimen);
   addDevices(rig, archive);
+  // Where its rig and its faults are looked for when it goes on without being asked for by name.
+  db::EventRow source;
+  source.run_id = run.id;
+  source.utc = clock.utc();
+  source.kind = "plan";
+  source.detail = std::filesystem::absolute(plan.source).lexically_normal().string();
+  archive.addEvent(source);
   return start;
 }
 

@@ -52,6 +52,27 @@ void StepRunner::event(const std::string& kind, const std::string& detail) {
   row.kind = kind;
   row.detail = detail;
   archive_.addEvent(row);
+  if (hooks_.on_event) hooks_.on_event(row);
+}
+
+std::vector<CameraStatus> StepRunner::cameras() const {
+  std::vector<CameraStatus> out;
+  for (const auto& unit : units_) {
+    const RecoveryLadder& ladder = unit->ladder();
+    out.push_back({unit->id(), !ladder.down(), ladder.troubled() ? ladder.lastError() : ""});
+  }
+  return out;
+}
+
+// The shot has its outcome in the archive.
+void StepRunner::settled(const db::ShotRow& shot) {
+  std::erase_if(in_flight_, [&](const db::ShotRow& s) { return s.id == shot.id; });
+  if (hooks_.on_shot) hooks_.on_shot(shot);
+}
+
+void StepRunner::verdicts(std::span<const db::LightCheckRow> rows) {
+  log_.checks(rows);
+  if (hooks_.on_light && !rows.empty()) hooks_.on_light(rows);
 }
 
 void StepRunner::start(std::int64_t next_number) {
@@ -137,7 +158,7 @@ bool StepRunner::ambientIsFine() {
   if (sample.sensors.empty()) return true;
   const GateVerdict verdict = gate_.judge(sample);
   if (!verdict.rows.empty()) archive_.addLightChecks(verdict.rows);
-  log_.checks(verdict.rows);
+  verdicts(verdict.rows);
   if (!verdict.blocks) {
     alerts_.clear(AlertKind::kSensorBand, "", moment());
     return true;
@@ -166,6 +187,7 @@ void StepRunner::dropCamerasThatAreDown(Group& group) {
 void StepRunner::tryGroup(Group& group) {
   group.held = false;
   while (!group.todo.empty()) {
+    if (hooks_.on_alive) hooks_.on_alive();
     if (!shoot(group)) {
       group.held = true;
       return;
@@ -227,7 +249,8 @@ void StepRunner::decide(db::StepRow& step) const {
     if (now_.held_since) step.reason = now_.light_trouble;
   } else if (hooks_.stop.stop_requested()) {
     step.decision = db::Decision::kMissed;
-    step.reason = "stopped by the operator";
+    step.reason =
+        std::string(hooks_.abort.stop_requested() ? "aborted" : "stopped") + " by the operator";
   } else if (!now_.device_trouble.empty()) {
     step.decision = db::Decision::kFailed;
     step.reason = now_.device_trouble;

@@ -33,6 +33,7 @@ class StepRunner {
   EventLog& log() { return log_; }
   Alerts& alerts() { return alerts_; }
   const std::string& lightSummary() const { return light_summary_; }
+  std::vector<CameraStatus> cameras() const;
   int shotsDue() const { return shots_due_; }
   std::int64_t bytesAStep() const;  // estimate
 
@@ -89,6 +90,8 @@ class StepRunner {
   void watchLight(const std::string& state, const GateVerdict& verdict);
   void watchClipping(const Attempt& attempt, const std::string& state);
   void fail(Attempt& attempt, const devices::Error& error);
+  void settled(const db::ShotRow& shot);
+  void verdicts(std::span<const db::LightCheckRow> rows);
   void reject(std::vector<Attempt>& attempts, const GateVerdict& verdict);
   void dropCamerasThatAreDown(Group& group);
   bool timeFor(const Group& group) const;

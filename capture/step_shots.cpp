@@ -26,7 +26,7 @@ bool isDark(const GateVerdict& verdict) {
 devices::Result<void> StepRunner::light(const Group& group) {
   const auto settled = lamps_.apply(*group.lights, plan_.light_check.settle);
   if (!settled) return tl::make_unexpected(settled.error());
-  if (*settled > clock_.mono()) clock_.sleepUntil(*settled, {});
+  if (*settled > clock_.mono()) clock_.sleepUntil(*settled, hooks_.abort);
   return {};
 }
 
@@ -76,6 +76,8 @@ void StepRunner::expose(std::vector<Attempt>& attempts) {
 
 void StepRunner::inspect(Attempt& a, const Group& group) {
   if (a.shot.state != db::ShotState::kArmed) return;
+  if (hooks_.abort.stop_requested())
+    return fail(a, devices::Error{devices::Errc::kTimeout, "aborted by the operator"});
   const MonoTime deadline = a.unit->collectBy(group.exposure, a.ticket.began_mono, now_.slot_end);
   auto frames = a.unit->camera().collect(a.ticket, deadline);
   if (!frames) return fail(a, frames.error());
@@ -119,7 +121,7 @@ void StepRunner::fail(Attempt& a, const devices::Error& error) {
   a.good = false;
   a.shot.state = db::ShotState::kFailed;
   archive_.failShot(a.shot, std::string(devices::name(error.code)) + ": " + error.what);
-  std::erase_if(in_flight_, [&](const db::ShotRow& s) { return s.id == a.shot.id; });
+  settled(a.shot);
   const bool was_down = a.unit->ladder().down();
   a.unit->failed(error);
   now_.device_trouble = a.unit->id() + ": " + a.unit->ladder().lastError();
@@ -140,11 +142,11 @@ void StepRunner::reject(std::vector<Attempt>& attempts, const GateVerdict& verdi
     if (!a.good) continue;
     a.shot.state = db::ShotState::kFailed;
     archive_.failShot(a.shot, verdict.reason);
-    std::erase_if(in_flight_, [&](const db::ShotRow& s) { return s.id == a.shot.id; });
+    settled(a.shot);
     a.unit->succeeded();  // the camera did its part
   }
   archive_.addLightChecks(verdict.rows);
-  log_.checks(verdict.rows);
+  verdicts(verdict.rows);
 }
 
 void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheckRow> checks) {
@@ -171,7 +173,7 @@ void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheck
       archive_.acknowledge(a.shot, pending, checks, clock_.utc(), whole ? &step : nullptr);
   *now_.step = step;
   now_.row_written = whole;
-  std::erase_if(in_flight_, [&](const db::ShotRow& s) { return s.id == a.shot.id; });
+  settled(a.shot);
   std::erase(group.todo, a.unit);
   for (const db::FrameRow& row : rows) {
     log_.frame(a.shot, row);
@@ -231,7 +233,7 @@ bool StepRunner::shoot(Group& group) {
     reject(attempts, verdict);
     return false;
   }
-  log_.checks(verdict.rows);
+  verdicts(verdict.rows);
   // Rows of a shot go with it; what belongs to none, a sensor's, goes with the first.
   const Attempt* first = nullptr;
   for (Attempt& a : attempts) {

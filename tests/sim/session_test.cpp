@@ -157,6 +157,100 @@ TEST(Session, ShootsByHandBetweenSteps) {
   sim.expectWhole();
 }
 
+TEST(Session, SkipsWhatFallsDueWhilePausedAndShootsByHandAllTheSame) {
+  Simulation sim({});
+  std::atomic<bool> paused{false}, now{false};
+  sim.clock.at(sim.clock.mono() + 25min, [&] { paused = true; });
+  sim.clock.at(sim.clock.mono() + 35min, [&] { now = true; });
+  sim.clock.at(sim.clock.mono() + 65min, [&] { paused = false; });
+  sim.run([&](capture::SessionHooks& hooks) {
+    hooks.paused = &paused;
+    hooks.shoot_now = &now;
+  });
+  std::vector<std::string> expected = twelve("captured");
+  for (std::size_t k : {3, 4, 5, 6}) expected[k] = "skipped";
+  EXPECT_EQ(sim.decisions(), expected);
+  EXPECT_EQ(sim.reader().step(sim.run_id, 4)->reason, "paused");
+  EXPECT_EQ(sim.events("paused").size(), 1u);
+  EXPECT_EQ(sim.events("continued").size(), 1u);
+  int by_hand = 0;
+  for (const auto& step : sim.reader().steps(sim.run_id)) by_hand += step.number ? 0 : 1;
+  EXPECT_EQ(by_hand, 1);
+  sim.expectWhole();
+}
+
+TEST(Session, MissesWhatFallsDueWhileNobodyRunsAlsoInAPause) {
+  Simulation sim({});
+  std::atomic<bool> paused{false};
+  std::stop_source stop;
+  sim.clock.at(sim.clock.mono() + 25min, [&] { paused = true; });
+  sim.clock.at(sim.clock.mono() + 26min, [&] { stop.request_stop(); });
+  const auto hold = [&](capture::SessionHooks& hooks) {
+    hooks.paused = &paused;
+    hooks.keep_state = true;
+  };
+  sim.run([&](capture::SessionHooks& hooks) {
+    hold(hooks);
+    hooks.stop = stop.get_token();
+  });
+  EXPECT_EQ(sim.reader().runs().back().state, "running");  // as its keeper left it
+  sim.clock.advance(30min);
+  sim.clock.at(sim.clock.mono() + 10min, [&] { paused = false; });
+  sim.run(hold);
+  std::vector<std::string> expected = twelve("captured");
+  for (std::size_t k : {3, 4, 5}) expected[k] = "missed";
+  expected[6] = "skipped";
+  EXPECT_EQ(sim.decisions(), expected);
+  sim.expectWhole();
+}
+
+TEST(Session, AnAbortWaitsForNoLightAndNoPicture) {
+  Simulation sim({.light_check = "settle = \"5min\"\n"});
+  std::stop_source stop, abort;
+  sim.clock.at(sim.clock.mono() + 22min, [&] {
+    abort.request_stop();
+    stop.request_stop();
+  });
+  const auto summary = sim.run([&](capture::SessionHooks& hooks) {
+    hooks.stop = stop.get_token();
+    hooks.abort = abort.get_token();
+  });
+  EXPECT_EQ(summary.end, "aborted");
+  EXPECT_EQ(sim.reader().runs().back().state, "aborted");
+  const auto step = sim.reader().step(sim.run_id, 2);
+  EXPECT_EQ(step->decision, db::Decision::kMissed);
+  EXPECT_EQ(step->reason, "aborted by the operator");
+  EXPECT_EQ(step->shots_captured, 0);
+  EXPECT_EQ(summary.last.now_utc - sim.t0, 22min);
+}
+
+TEST(Session, TellsOfEveryStepShotVerdictAndCamera) {
+  Simulation sim({.duration = "1h", .lights = R"([["key"], ["fill"]])"});
+  int steps = 0, shots = 0, verdicts = 0, alive = 0;
+  capture::SessionStatus last;
+  sim.run([&](capture::SessionHooks& hooks) {
+    hooks.on_step = [&](const db::StepRow& row) {
+      ++steps;
+      EXPECT_EQ(row.decision, db::Decision::kCaptured);
+    };
+    hooks.on_shot = [&](const db::ShotRow& row) {
+      ++shots;
+      EXPECT_EQ(row.state, db::ShotState::kCaptured);
+    };
+    hooks.on_light = [&](std::span<const db::LightCheckRow> rows) {
+      verdicts += static_cast<int>(rows.size());
+    };
+    hooks.on_alive = [&] { ++alive; };
+    hooks.on_status = [&](const capture::SessionStatus& status) { last = status; };
+  });
+  EXPECT_EQ(steps, 6);
+  EXPECT_EQ(shots, 12);
+  EXPECT_EQ(verdicts, static_cast<int>(sim.reader().lightChecks(sim.run_id).size()));
+  EXPECT_GT(alive, 6 * 40);  // every 15 s of ten minutes
+  ASSERT_EQ(last.cameras.size(), 1u);
+  EXPECT_TRUE(last.cameras[0].up);
+}
+
 TEST(Session, StopsCleanlyBeforeTheDiskIsFullAndGoesOnWhenThereIsRoom) {
   Simulation sim({.plan = "[disk]\nreserve = \"1GB\"\n"});
   FullDisk disk;

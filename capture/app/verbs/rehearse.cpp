@@ -26,10 +26,6 @@ std::optional<db::RunRow> runOfPlan(const db::ArchiveReader& reader, const captu
   return newest;
 }
 
-bool isUnfinished(const db::RunRow& run) {
-  return run.state == "running" || run.state == "stopped";
-}
-
 UtcTime lastRowOf(const db::ArchiveReader& reader, const db::RunRow& run) {
   UtcTime last = run.t0_utc;
   for (const db::StepRow& step : reader.steps(run.id)) last = std::max(last, step.due_utc);
@@ -74,7 +70,7 @@ void rehearse(Context& context, const RehearseOptions& options) {
   OwnedArchive archive(context, options, at_point);
   std::optional<db::RunRow> before;
   if (!options.new_run) before = runOfPlan(archive->reader(), files.plan);
-  if (before && !isUnfinished(*before)) {
+  if (before && !capture::isUnfinished(*before)) {
     context.out.say("This plan has been rehearsed already; --new-run rehearses it again.");
     return finishAfter(context, files, before->id,
                        std::move(Item().set("run_id", before->id.c_str()).set("end", "finished")));
