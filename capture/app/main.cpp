@@ -32,9 +32,9 @@ void print(const std::string& text) {
 
 void addVerbs(CommandLine& line) {
   for (const auto add :
-       {addPlanVerbs, addRehearseVerb, addCaptureVerb, addImportVerb, addArchiveVerbs,
-        addLightVerbs, addCalibrateVerbs, addTtfVerbs, addFilmVerbs, addSheetVerbs, addSynthVerbs,
-        addDoctorVerb, addTwinVerbs, addAlertsVerbs})
+       {addPlanVerbs, addRehearseVerb, addCaptureVerb, addDaemonVerb, addRunVerbs, addImportVerb,
+        addArchiveVerbs, addLightVerbs, addCalibrateVerbs, addTtfVerbs, addFilmVerbs, addSheetVerbs,
+        addSynthVerbs, addDoctorVerb, addTwinVerbs, addAlertsVerbs})
     add(line.root());
 }
 

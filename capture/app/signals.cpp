@@ -55,6 +55,15 @@ void Signals::onStop(std::function<void()> call) {
   if (received_ != 0 && on_stop_) on_stop_();
 }
 
+void Signals::onReload(std::function<void()> call) {
+  const std::lock_guard lock(mutex_);
+  on_reload_ = std::move(call);
+  struct sigaction action {};
+  action.sa_handler = on_reload_ ? pass : SIG_DFL;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGHUP, &action, nullptr);
+}
+
 void Signals::run() {
   pollfd fds[] = {{signals_fd_, POLLIN, 0}, {quit_fd_, POLLIN, 0}};
   for (;;) {
@@ -64,6 +73,11 @@ void Signals::run() {
     if (read(signals_fd_, &number, 1) != 1) continue;
     if (number == SIGUSR1) {
       shoot_now_ = true;
+      continue;
+    }
+    if (number == SIGHUP) {
+      const std::lock_guard lock(mutex_);
+      if (on_reload_) on_reload_();
       continue;
     }
     // Nothing half-written carries a final name, and the archive recovers: leaving is safe.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SIGINT, SIGTERM and SIGUSR1 as ordinary calls on a thread of their own.
+// SIGINT, SIGTERM, SIGUSR1 and SIGHUP as ordinary calls on a thread of their own.
 #pragma once
 
 #include <atomic>
@@ -21,6 +21,8 @@ class Signals {
 
   // What SIGINT or SIGTERM does the first time. A second one ends the process at once.
   void onStop(std::function<void()> call);
+  // What SIGHUP does; without it, SIGHUP ends the process as it always did.
+  void onReload(std::function<void()> call);
   std::atomic<bool>& shootNow() { return shoot_now_; }  // SIGUSR1
   int received() const { return received_; }            // the number of the signal; 0: none
 
@@ -30,7 +32,7 @@ class Signals {
   std::atomic<bool> shoot_now_{false};
   std::atomic<int> received_{0};
   std::mutex mutex_;
-  std::function<void()> on_stop_;
+  std::function<void()> on_stop_, on_reload_;
   std::thread thread_;
 };
 

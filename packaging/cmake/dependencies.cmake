@@ -63,6 +63,7 @@ patina_import(curl HEADER curl/curl.h SUFFIXES ${CMAKE_LIBRARY_ARCHITECTURE} LIB
 patina_import(mosquitto HEADER mosquitto.h LIBRARIES mosquitto)
 patina_import(microhttpd HEADER microhttpd.h LIBRARIES microhttpd)
 patina_import(muparser HEADER muParser.h LIBRARIES muparser)
+patina_import(systemd HEADER systemd/sd-daemon.h LIBRARIES systemd)
 
 # gmock_main is an archive: a test that brings its own main() simply wins.
 patina_import(gtest HEADER gmock/gmock.h LIBRARIES gmock_main gmock gtest LINKS Threads::Threads)

@@ -65,9 +65,10 @@ TEST(KillDriver, FindsEveryStepOnceInASessionInRealTime) {
   killOverAndOver(victim("session_victim", "real"), killsAskedFor() / 3, 3);
 }
 
-// `patina` itself, as its user runs it: `verb` in virtual or real time.
-void killPatina(const std::string& verb, int kills, std::uint64_t seed) {
+// `patina` itself, as its user runs it: `words` before the plan, in virtual or real time.
+void killPatina(const std::vector<std::string>& words, int kills, std::uint64_t seed) {
   const TempFolder folder = TempFolder::inMemory();
+  setenv("RUNTIME_DIRECTORY", (folder / "run").c_str(), 1);  // of the daemon's socket
   writeFile(folder / "rig.toml", R"(name = "bench"
 [[camera]]
 id = "cam0"
@@ -89,14 +90,23 @@ duration = "24h"
 lights = [["key"]]
 exposures = ["1/100"]
 )");
-  killOverAndOver({{program().string(), verb, (folder / "plan.toml").string(), "--archive",
-                    "{archive}", "--log-acks", "{acks}", "--quiet"}},
-                  kills, seed);
+  std::vector<std::string> command = {program().string()};
+  command.insert(command.end(), words.begin(), words.end());
+  for (const std::string word :
+       {(folder / "plan.toml").string(), std::string("--archive"), std::string("{archive}"),
+        std::string("--log-acks"), std::string("{acks}"), std::string("--quiet")})
+    command.push_back(word);
+  killOverAndOver({command}, kills, seed);
+  unsetenv("RUNTIME_DIRECTORY");
 }
 
-TEST(KillDriver, FindsNothingLostInARehearsal) { killPatina("rehearse", killsAskedFor() / 3, 5); }
+TEST(KillDriver, FindsNothingLostInARehearsal) { killPatina({"rehearse"}, killsAskedFor() / 3, 5); }
 
-TEST(KillDriver, FindsNothingLostInACapture) { killPatina("capture", killsAskedFor() / 3, 6); }
+TEST(KillDriver, FindsNothingLostInACapture) { killPatina({"capture"}, killsAskedFor() / 3, 6); }
+
+TEST(KillDriver, FindsNothingLostInTheDaemon) {
+  killPatina({"daemon", "--port", "0", "--start"}, killsAskedFor() / 3, 7);
+}
 
 TEST(KillDriver, KillsTheVictimItIsGiven) {
   const char* text = std::getenv("PATINA_VICTIM");

@@ -1,76 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/app/verbs/run_session.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <charconv>
 #include <csignal>
 
+#include "capture/app/daemon/ack_log.h"
 #include "capture/app/verbs/specimen_place.h"
 #include "db/power_cut.h"
-#include "devices/fault/faulty_devices.h"
-#include "devices/twin/twin.h"
 
 namespace patina::app {
 namespace {
-
-// One line a frame that was acknowledged, written before the next shot: what an outside process may
-// hold the archive to.
-class AckLog {
- public:
-  explicit AckLog(const std::string& where) {
-    if (where.empty()) return;
-    const auto [end, error] = std::from_chars(where.data(), where.data() + where.size(), fd_);
-    if (error == std::errc() && end == where.data() + where.size()) return;
-    fd_ = open(where.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-    if (fd_ < 0) throw AppError(Exit::kCannotCreate, "cannot write " + where);
-    owned_ = true;
-  }
-  ~AckLog() {
-    if (owned_) close(fd_);
-  }
-  AckLog(const AckLog&) = delete;
-  AckLog& operator=(const AckLog&) = delete;
-
-  void take(const std::string& run_id, const db::FrameRow& frame) const {
-    if (fd_ < 0) return;
-    const std::string line = "ack " + run_id + " " + std::to_string(frame.shot_id) + " " +
-                             std::to_string(frame.file_index) + " " + frame.sha256.hex() + " " +
-                             std::to_string(frame.bytes) + "\n";
-    if (write(fd_, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
-      throw AppError(Exit::kIo, "cannot write the log of acknowledged frames");
-  }
-
- private:
-  int fd_ = -1;
-  bool owned_ = false;
-};
-
-void requireBackends(const devices::RigSpec& rig) {
-  const auto require = [](const std::string& device, const std::string& backend) {
-    if (backend != "twin")
-      throw AppError(Exit::kUnavailable, device + " asks for the backend '" + backend +
-                                             "'; this build has: twin (the simulated rig)");
-  };
-  for (const auto& camera : rig.cameras) require(camera.id, camera.backend);
-  for (const auto& light : rig.lights) require(light.id, light.backend);
-  for (const auto& sensor : rig.sensors) require(sensor.id, sensor.backend);
-  for (const auto& trigger : rig.triggers) require(trigger.id, trigger.backend);
-}
-
-devices::Rig openRig(const RunFiles& files, const capture::RunStart& start, devices::Clock& clock) {
-  requireBackends(files.rig);
-  devices::twin::TwinOptions options;
-  options.seed = files.plan.seed;
-  options.duration = files.plan.duration;
-  options.start_utc = start.t0_utc;
-  options.faults = files.faults;
-  devices::Rig rig = devices::twin::makeTwinRig(files.rig, options, clock);
-  if (files.faults.faults.empty()) return rig;
-  const MonoTime began = clock.mono() - (clock.utc() - start.t0_utc);
-  return devices::withFaults(std::move(rig), files.faults, began, clock);
-}
 
 std::string statusLine(const capture::SessionStatus& status) {
   std::string line = "step " + std::to_string(status.step) + "/" + std::to_string(status.steps) +
@@ -124,15 +62,7 @@ void addRunOptions(Verb& verb, const std::shared_ptr<RunOptions>& options) {
 }
 
 RunFiles readRunFiles(const Context& context, const std::string& plan) {
-  RunFiles files;
-  files.plan = capture::readPlan(plan);
-  files.rig = devices::readRig(files.plan.rig_file);
-  capture::checkAgainst(files.plan, files.rig);
-  if (context.options.seed) files.plan.seed = *context.options.seed;
-  if (files.rig.twin && files.rig.twin->faults)
-    files.faults = devices::readFaults(*files.rig.twin->faults);
-  devices::checkAgainst(files.faults, files.rig);
-  return files;
+  return daemon::readRunFiles(plan, context.options.seed);
 }
 
 OwnedArchive::OwnedArchive(const Context& context, const RunOptions& options,
@@ -153,7 +83,7 @@ OwnedArchive::~OwnedArchive() = default;
 void runToEnd(Context& context, const RunOptions& options, const RunFiles& files,
               OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start,
               capture::notify::RunNotices* notices) {
-  const AckLog acks(options.log_acks);
+  const daemon::AckLog acks(options.log_acks);
   std::stop_source stop;
   capture::SessionHooks hooks;
   hooks.stop = stop.get_token();
@@ -171,7 +101,7 @@ void runToEnd(Context& context, const RunOptions& options, const RunFiles& files
   if (start.resumed) context.verbose("going on with " + start.run_id);
   capture::SessionSummary summary;
   try {
-    devices::Rig rig = openRig(files, start, clock);
+    devices::Rig rig = daemon::openRig(files, start, clock);
     context.signals.onStop([&stop] { stop.request_stop(); });
     summary = capture::runSession(files.plan, rig, *archive, clock, start, hooks);
   } catch (const Failure& failure) {

@@ -10,11 +10,10 @@
 #include <string>
 
 #include "capture/app/context.h"
+#include "capture/app/daemon/run_files.h"
 #include "capture/notify/run_notices.h"
-#include "capture/plan.h"
 #include "capture/session.h"
 #include "capture/workflow/after_run.h"
-#include "devices/fault_plan.h"
 
 namespace patina::app {
 
@@ -26,11 +25,7 @@ struct RunOptions {
 };
 void addRunOptions(Verb& verb, const std::shared_ptr<RunOptions>& options);
 
-struct RunFiles {
-  capture::Plan plan;
-  devices::RigSpec rig;
-  devices::FaultPlan faults;  // of the twin; empty otherwise
-};
+using daemon::RunFiles;
 // Plan, rig and faults, checked against one another; --seed replaces the plan's.
 RunFiles readRunFiles(const Context& context, const std::string& plan);
 

@@ -10,6 +10,8 @@ void addAlertsVerbs(Verb root);
 void addPlanVerbs(Verb root);
 void addRehearseVerb(Verb root);
 void addCaptureVerb(Verb root);
+void addDaemonVerb(Verb root);
+void addRunVerbs(Verb root);
 void addImportVerb(Verb root);
 void addArchiveVerbs(Verb root);
 void addLightVerbs(Verb root);

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tells the world what happens in the runs: events for who listens, metrics for who asks, alerts
+// that are on, and the watchdog's pings.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "capture/app/daemon/ack_log.h"
+#include "capture/app/daemon/json_rows.h"
+#include "capture/app/daemon/run_view.h"
+#include "capture/app/daemon/service.h"
+#include "capture/app/http/metrics.h"
+
+namespace patina::daemon {
+
+// Events: "run" (a state), "status", "step", "light", "alert", "frame"; each one JSON object.
+class Broadcast final : public RunObserver {
+ public:
+  using Publish = std::function<void(const std::string& event, const std::string& json)>;
+  Broadcast(http::Metrics& metrics, Watchdog& watchdog);
+
+  // None until there is a server, none after it is gone.
+  void publishTo(Publish publish);
+  // Called when a run's state or session changes, on any thread.
+  void onChange(std::function<void()> call);
+  void logAcks(const AckLog* log) { ack_log_ = log; }  // before the first run; outlives the runs
+  std::vector<Alert> alerts() const;
+  void committed(Nanoseconds took);  // one frame, from its bytes to its acknowledgement
+
+  void onRun(const RunView& view) override;
+  void onStatus(const RunView& view) override;
+  void onStep(const db::StepRow& step) override;
+  void onShot(const db::ShotRow& shot) override;
+  void onFrame(const std::string& run_id, const std::string& camera,
+               const db::FrameRow& frame) override;
+  void onLight(std::span<const db::LightCheckRow> rows) override;
+  void onEvent(const db::EventRow& event) override;
+  void onSession(const std::string& run_id, Phase phase) override;
+
+ private:
+  void publish(const std::string& event, const std::string& json);
+  void takeAlarm(const db::EventRow& event);
+  void predictFull(std::uint64_t free_bytes, UtcTime now);
+
+  http::Metrics& metrics_;
+  Watchdog& watchdog_;
+  const AckLog* ack_log_ = nullptr;
+  mutable std::mutex mutex_;  // guards what follows
+  Publish publish_;
+  std::function<void()> changed_;
+  std::map<std::string, Alert> alerts_;  // by run and what
+  std::set<std::string> just_shot_;      // runs whose step was shot, and not yet counted as late
+  std::optional<UtcTime> first_frame_;
+  std::int64_t frame_bytes_ = 0;  // since then
+};
+
+}  // namespace patina::daemon

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/app/daemon/daemon.h"
+
+#include <mutex>
+
+#include "capture/app/daemon/after_work.h"
+#include "capture/app/daemon/broadcast.h"
+#include "capture/app/daemon/daemon_config.h"
+#include "capture/app/daemon/handlers.h"
+#include "capture/app/daemon/inhibitor.h"
+#include "capture/app/daemon/places.h"
+#include "capture/app/daemon/run_keeper.h"
+#include "capture/app/daemon/service.h"
+#include "capture/app/http/server.h"
+#include "devices/scaled_clock.h"
+
+namespace patina::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kRetryEvery = 30s;
+constexpr const char* kMainLoop = "main loop";
+
+// From a frame's bytes to its acknowledgement; points of one frame come on one thread.
+std::function<void(db::CommitPoint)> commitTimer(devices::Clock& real, Broadcast& broadcast) {
+  return [&real, &broadcast](db::CommitPoint point) {
+    thread_local std::optional<MonoTime> began;
+    if (point == db::CommitPoint::kTmpWritten && !began) began = real.mono();
+    if (point != db::CommitPoint::kCommitted || !began) return;
+    broadcast.committed(real.mono() - *began);
+    began.reset();
+  };
+}
+
+bool hasProductsDue(const db::RunRow& run) {
+  if (run.state != "finished" || run.boot_id == "import") return false;
+  try {
+    return !capture::parsePlan(run.plan_toml, "plan.toml").after.empty();
+  } catch (const Failure&) {
+    return false;  // of an older program: nothing is made of it without being asked for
+  }
+}
+
+devices::Rig openTwinOnly(const RunFiles& files, const capture::RunStart& start,
+                          devices::Clock& clock) {
+  for (const auto& camera : files.rig.cameras)
+    if (camera.backend != "twin")
+      throw capture::CaptureError(Exit::kConfig, camera.id + " is a real camera (" +
+                                                     camera.backend +
+                                                     "): a rehearsal takes the twin alone");
+  return openRig(files, start, clock);
+}
+
+}  // namespace
+
+class Daemon::Impl {
+ public:
+  Impl(const DaemonOptions& options, devices::Clock& real)
+      : options_(options),
+        real_(real),
+        config_(options.config, options.plans),
+        watchdog_(real),
+        broadcast_(metrics_, watchdog_),
+        acks_(options.log_acks) {
+    if (options.speed > 0) scaled_ = std::make_unique<devices::ScaledClock>(real, options.speed);
+    started_ = clock().utc();
+    db::ArchiveOptions opening;
+    opening.folder = options.archive;
+    opening.owner = options.command;
+    opening.at_point = commitTimer(real, broadcast_);
+    archive_ = std::make_unique<db::Archive>(opening);
+    broadcast_.logAcks(&acks_);
+    keep();
+    listen();
+  }
+
+  ~Impl() {
+    broadcast_.publishTo({});
+    broadcast_.onChange({});
+    server_.reset();  // no handler is at work after this
+    keeper_.reset();
+    dispatcher_.reset();
+    after_.reset();
+  }
+
+  void run(const std::stop_token& stop);
+
+  std::string reload() {
+    const std::string told = config_.reload();
+    options_.say("reloaded: " + told);
+    return told;
+  }
+  int port() const { return server_->port(); }
+
+ private:
+  devices::Clock& clock() { return scaled_ ? *scaled_ : real_; }
+  void keep();
+  void listen();
+  void afterwards(const std::string& run_id, const std::string& trouble);
+  void finishWhatWasLeft();
+  void wake();
+  void beat(MonoTime& retried);
+  DaemonStatus status();
+
+  const DaemonOptions options_;
+  devices::Clock& real_;
+  std::unique_ptr<devices::ScaledClock> scaled_;
+  LiveConfig config_;
+  http::Metrics metrics_;
+  Watchdog watchdog_;
+  Broadcast broadcast_;
+  const AckLog acks_;
+  Previews previews_;
+  Inhibitor inhibitor_;
+  UtcTime started_;
+  std::unique_ptr<db::Archive> archive_;
+  std::unique_ptr<AfterWork> after_;
+  std::unique_ptr<capture::notify::Dispatcher> dispatcher_;
+  std::unique_ptr<RunKeeper> keeper_;
+  std::optional<Surroundings> around_;
+  std::unique_ptr<http::Server> server_;
+  std::mutex wake_mutex_;
+  std::stop_source wake_;  // a new one a turn of the loop
+};
+
+void Daemon::Impl::keep() {
+  after_ = std::make_unique<AfterWork>(
+      options_.after_command,
+      [this](const std::string& run, const std::string& trouble) { afterwards(run, trouble); });
+  dispatcher_ = std::make_unique<capture::notify::Dispatcher>(clock());
+  dispatcher_->start();
+  KeeperOptions keeping{*archive_, clock(), broadcast_, openRig, dispatcher_.get(), {}};
+  if (options_.speed > 0) keeping.open_rig = openTwinOnly;
+  keeping.finished = [this](const std::string& run_id) { after_->add(run_id); };
+  keeper_ = std::make_unique<RunKeeper>(keeping);
+  broadcast_.onChange([this] { wake(); });
+}
+
+void Daemon::Impl::listen() {
+  const DaemonConfig config = config_.get();
+  const Places places = placesToListen(options_.archive);
+  around_.emplace(Surroundings{archive_->reader().folder(), *keeper_, broadcast_, previews_,
+                               [this] { return status(); }, [this] { return config_.get().plans; },
+                               [this] { return reload(); }});
+  http::ServerOptions serving;
+  serving.socket = places.socket;
+  serving.token_file = places.token;
+  serving.listen = config.listen;
+  serving.port = options_.port.value_or(config.port);
+  serving.behind_proxy = config.behind_proxy;
+  serving.tls_certificate = config.tls_certificate;
+  serving.tls_key = config.tls_key;
+  serving.host_names = config.host_names;
+  serving.archive = archive_->reader().folder();
+  metrics_.gauge("patina_up").set(1);
+  server_ = std::make_unique<http::Server>(serving, routesOf(*around_), real_, metrics_);
+  broadcast_.publishTo(
+      [this](const std::string& event, const std::string& json) { server_->publish(event, json); });
+  options_.say("listening on " + places.socket.string() +
+               (serving.listen.empty()
+                    ? ""
+                    : " and " + serving.listen + ":" + std::to_string(server_->port())));
+}
+
+// Whatever became of them, it is known in the archive: a restart makes only what is missing.
+void Daemon::Impl::afterwards(const std::string& run_id, const std::string& trouble) {
+  db::EventRow event;
+  event.run_id = run_id;
+  event.utc = clock().utc();
+  event.kind = "after";
+  event.detail = trouble.empty() ? "done" : "failed: " + trouble;
+  options_.say("products of " + run_id + ": " + event.detail);
+  try {
+    archive_->addEvent(event);
+  } catch (const db::ArchiveError& error) {
+    options_.say(error.what());
+  }
+  wake();
+}
+
+void Daemon::Impl::finishWhatWasLeft() {
+  for (const db::RunRow& run : archive_->reader().runs()) {
+    if (!hasProductsDue(run)) continue;
+    bool done = false;
+    for (const db::EventRow& event : archive_->reader().events(run.id))
+      done = done || (event.kind == "after" && event.detail == "done");
+    if (!done) after_->add(run.id);
+  }
+}
+
+DaemonStatus Daemon::Impl::status() {
+  DaemonStatus status;
+  status.version = options_.version;
+  status.archive = archive_->reader().folder().string();
+  status.now = clock().utc();
+  status.started = started_;
+  for (const RunView& view : keeper_->runs()) status.runs_active += view.active ? 1 : 0;
+  status.alerts_active = static_cast<std::int64_t>(broadcast_.alerts().size());
+  status.disk_free_bytes = archive_->space().free_bytes;
+  return status;
+}
+
+void Daemon::Impl::wake() {
+  const std::lock_guard lock(wake_mutex_);
+  wake_.request_stop();
+}
+
+// One turn of the main loop: what the service manager and the sleep of the machine hang on.
+void Daemon::Impl::beat(MonoTime& retried) {
+  watchdog_.turned(kMainLoop);
+  std::string told;
+  int active = 0;
+  for (const RunView& view : keeper_->runs()) {
+    told += (told.empty() ? "" : "; ") + view.id + " " + view.state;
+    if (view.active) {
+      ++active;
+      told +=
+          ", step " + std::to_string(view.status.step) + " of " + std::to_string(view.status.steps);
+    } else {
+      told += ": " + view.trouble;
+    }
+  }
+  if (after_->waiting() > 0) told += (told.empty() ? "" : "; ") + std::string("making products");
+  notifyStatus(told.empty() ? "no run" : told);
+  if (active == 0)
+    inhibitor_.release();
+  else if (const std::string why = inhibitor_.take(); !why.empty())
+    options_.say(why);
+  if (real_.mono() - retried < kRetryEvery) return;
+  retried = real_.mono();
+  keeper_->retry();
+}
+
+void Daemon::Impl::run(const std::stop_token& stop) {
+  watchdog_.begin(kMainLoop);
+  keeper_->takeUp();
+  if (!options_.start.empty()) {
+    const RunView view = keeper_->start(options_.start, false);
+    options_.say("run " + view.id + " goes on");
+  }
+  finishWhatWasLeft();
+  notifyReady("ready");
+  const std::stop_callback on_stop(stop, [this] { wake(); });
+  MonoTime retried = real_.mono();
+  while (!stop.stop_requested() && !keeper_->broken()) {
+    std::stop_token woken;
+    {
+      const std::lock_guard lock(wake_mutex_);
+      wake_ = std::stop_source();
+      woken = wake_.get_token();
+    }
+    if (stop.stop_requested()) break;  // before the new source was there to be told
+    beat(retried);
+    real_.sleepUntil(real_.mono() + watchdog_.patience(), woken);
+  }
+  notifyStopping();
+  watchdog_.end(kMainLoop);
+  keeper_->shutDown();
+  if (keeper_->broken())
+    throw db::ArchiveError(Exit::kIo, "the disk of " + options_.archive.string() +
+                                          " failed: start again, which recovers what was "
+                                          "acknowledged");
+}
+
+Daemon::Daemon(const DaemonOptions& options, devices::Clock& real)
+    : impl_(std::make_unique<Impl>(options, real)) {}
+Daemon::~Daemon() = default;
+void Daemon::run(const std::stop_token& stop) { impl_->run(stop); }
+std::string Daemon::reload() { return impl_->reload(); }
+int Daemon::port() const { return impl_->port(); }
+
+}  // namespace patina::daemon
