@@ -7,13 +7,8 @@ packages='
   libcurl4-openssl-dev libexiv2-dev libexpected-dev libfftw3-dev libfuse3-dev libgmock-dev libgtest-dev
   libhdf5-dev libjpeg-dev liblapacke-dev libmicrohttpd-dev libmosquitto-dev libmuparser-dev libopenblas-dev
   libopencv-core-dev libopencv-imgproc-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev libsqlite3-dev
-  libssl-dev libswscale-dev libtbb-dev libtiff-dev libtomlplusplus-dev make ninja-build nlohmann-json3-dev
+  libssl-dev libswscale-dev libsystemd-dev libtbb-dev libtiff-dev libtomlplusplus-dev make ninja-build nlohmann-json3-dev
   python3-h5py xfsprogs'
-  ccache cmake g++ git make ninja-build libavcodec-dev
-  libavformat-dev libavutil-dev libbenchmark-dev libcli11-dev libcurl4-openssl-dev libexiv2-dev libexpected-dev
-  libfftw3-dev libgmock-dev libgtest-dev libhdf5-dev libjpeg-dev liblapacke-dev libmicrohttpd-dev libmosquitto-dev
-  libmuparser-dev libopenblas-dev libopencv-core-dev libopencv-imgproc-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev
-  libsqlite3-dev libssl-dev libswscale-dev libsystemd-dev libtbb-dev libtiff-dev libtomlplusplus-dev nlohmann-json3-dev python3-h5py'
 lint_packages='clang-format clang-tidy'
 fuzz_packages='clang-14 libclang-rt-14-dev'
 
