@@ -92,7 +92,7 @@ exposures = ["1/100"]
 )");
   std::vector<std::string> command = {program().string()};
   command.insert(command.end(), words.begin(), words.end());
-  for (const std::string word :
+  for (const std::string& word :
        {(folder / "plan.toml").string(), std::string("--archive"), std::string("{archive}"),
         std::string("--log-acks"), std::string("{acks}"), std::string("--quiet")})
     command.push_back(word);
