@@ -14,6 +14,7 @@ class RecoveryLadder {
   // A shot of this camera failed so. The rung to try before the next attempt; nothing is higher
   // than a power cycle, and a failure after that takes the camera down.
   void failed(const devices::Error& error);
+  void takeDown() { down_ = true; }
   void succeeded();
 
   bool down() const { return down_; }

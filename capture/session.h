@@ -70,7 +70,10 @@ struct SessionSummary {
 
 // A new run, or, when `archive` has an unfinished run of the same plan (sha256), that run goes on
 // at its next step. A plan that changed while a run is unfinished is refused unless a new run is
-// asked for. Throws CaptureError, db::ArchiveError. Single-threaded.
+// asked for. Throws CaptureError, db::ArchiveError. One thread calls; hooks, lamps, sensors and
+// archive are called from it, cameras from a worker each, unless the clock is of one thread. A
+// camera whose call has not returned when the session ends is taken out of `rig`, which then holds
+// nothing in its place: see callsStillOut() in camera_worker.h.
 struct SessionOptions {
   bool new_run = false;
   std::optional<UtcTime> t0_utc;

@@ -34,8 +34,9 @@ StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive
       alerts_(
           plan.alerts.rules, [this](UtcTime, const std::string& detail) { event("alarm", detail); },
           hooks.on_alert) {
-  for (const auto& camera : rig.cameras)
-    units_.push_back(std::make_unique<CameraUnit>(*camera, patchOf(rig.spec, camera->caps().id)));
+  for (auto& camera : rig.cameras)
+    units_.push_back(
+        std::make_unique<CameraUnit>(camera, patchOf(rig.spec, camera->caps().id), clock, bell_));
   shots_due_ = shotsAStep(plan, rig.spec);
 }
 
@@ -86,7 +87,13 @@ void StepRunner::end() { lamps_.allOff(); }
 
 void StepRunner::keepAwake() {
   for (const auto& unit : units_)
-    if (!unit->ladder().troubled()) static_cast<void>(unit->camera().poll());
+    if (!unit->ladder().troubled()) unit->poll();
+}
+
+// The end of a slot is for rows and files, which take time on a real clock alone.
+MonoTime StepRunner::workEnds() const {
+  if (!clock_.threadSafe()) return now_.slot_end;
+  return now_.slot_end - std::min<Nanoseconds>(plan_.interval / 4, 1s) - now_.groups_to_come;
 }
 
 std::vector<StepRunner::Group> StepRunner::groups() {
@@ -168,11 +175,24 @@ bool StepRunner::ambientIsFine() {
   return false;
 }
 
-bool StepRunner::timeFor(const Group& group) const {
+Nanoseconds StepRunner::needs(const Group& group) const {
   Nanoseconds needed{0};
   for (const CameraUnit* unit : group.todo)
     needed = std::max(needed, unit->shotTime(group.exposure));
-  return clock_.mono() + needed <= now_.slot_end;
+  return needed;
+}
+
+Nanoseconds StepRunner::needsAfter(const std::vector<Group>& groups, std::size_t index) const {
+  Nanoseconds needed{0};
+  for (std::size_t i = index + 1; i < groups.size(); ++i) {
+    needed += needs(groups[i]);
+    if (groups[i].state != groups[i - 1].state) needed += plan_.light_check.settle;
+  }
+  return needed;
+}
+
+bool StepRunner::timeFor(const Group& group) const {
+  return clock_.mono() + needs(group) <= workEnds();
 }
 
 void StepRunner::dropCamerasThatAreDown(Group& group) {
@@ -225,8 +245,9 @@ bool StepRunner::run(db::StepRow& step, MonoTime slot_end) {
   bool fine = ambientIsFine();
   while (!hooks_.stop.stop_requested()) {
     if (fine) {
-      for (Group& group : pending) {
-        if (hooks_.stop.stop_requested()) break;
+      for (std::size_t i = 0; i < pending.size() && !hooks_.stop.stop_requested(); ++i) {
+        Group& group = pending[i];
+        now_.groups_to_come = needsAfter(pending, i);
         if (!group.held || timeFor(group)) tryGroup(group);
       }
       std::erase_if(pending, [](const Group& g) { return g.todo.empty(); });
@@ -236,6 +257,7 @@ bool StepRunner::run(db::StepRow& step, MonoTime slot_end) {
     fine = ambientIsFine();
   }
   lamps_.rest();
+  first_step_ = false;
   if (!now_.row_written) decide(step);
   held_steps_ = step.decision == db::Decision::kHeld ? held_steps_ + 1 : 0;
   return now_.row_written;

@@ -2,8 +2,13 @@
 // One step: the whole sweep, with its light verdicts, retries and holds, within its slot.
 //
 // A light state that is bad does not stop the others: they are shot first, then the bad one is
-// tried again until the light is back or the slot ends. Single-threaded; devices are called in the
-// order of the rig, the shutters of one group together.
+// tried again until the light is back or the slot ends.
+//
+// Cameras are called by their workers: the shutters of one group fire together, pictures are
+// collected and checked at the same time. Lamps, sensors, archive and all decisions belong to the
+// session's thread, in the order of the rig, so that what is kept is the same for any timing. A
+// camera that owes an answer when its slot ends is given up for this step; one that is down is
+// tried once a step, and nobody waits for it.
 #pragma once
 
 #include <functional>
@@ -62,14 +67,16 @@ class StepRunner {
   struct Attempt {  // one camera's part in one attempt of a group
     CameraUnit* unit = nullptr;
     db::ShotRow shot;
-    devices::Ticket ticket;
-    std::vector<devices::RawFrame> frames;
-    ShotCheck check;
-    bool good = false;
+    std::shared_ptr<Answer<devices::Ticket>> ticket;
+    std::shared_ptr<Answer<Picture>> picture;
+    bool good = false;  // there is a picture, and it passed its check
+
+    const ShotCheck& check() const { return picture->get()->check; }
   };
   struct Progress {  // of the step being shot
     db::StepRow* step = nullptr;
     MonoTime slot_end;
+    Nanoseconds groups_to_come{};  // the time that the groups after this one need
     std::optional<MonoTime> held_since, first_shot, last_shot;
     std::string device_trouble, light_trouble;
     bool row_written = false;
@@ -83,8 +90,13 @@ class StepRunner {
   bool shoot(Group& group);  // false: the light was bad
   devices::Result<void> light(const Group& group);
   std::vector<Attempt> arm(Group& group);
-  void expose(std::vector<Attempt>& attempts);
-  void inspect(Attempt& attempt, const Group& group);
+  bool alone() const { return units_.size() == 1; }
+  bool leftOut(CameraUnit& unit, const Group& group) const;
+  MonoTime waitToBeReady(CameraUnit& unit, const Group& group) const;
+  void awaitReady(const Group& group);
+  void expose(std::vector<Attempt>& attempts, const Group& group);
+  MonoTime waitForPicture(CameraUnit& unit, const Group& group, MonoTime shutter) const;
+  void inspect(Attempt& attempt);
   GateVerdict judge(const Group& group, const std::vector<Attempt>& attempts);
   void accept(Attempt& attempt, Group& group, std::span<const db::LightCheckRow> checks);
   void watchLight(const std::string& state, const GateVerdict& verdict);
@@ -95,6 +107,9 @@ class StepRunner {
   void reject(std::vector<Attempt>& attempts, const GateVerdict& verdict);
   void dropCamerasThatAreDown(Group& group);
   bool timeFor(const Group& group) const;
+  Nanoseconds needs(const Group& group) const;  // to shoot it once
+  Nanoseconds needsAfter(const std::vector<Group>& groups, std::size_t index) const;
+  MonoTime workEnds() const;  // when nobody is waited for or tried again any more
   bool waitForLight();
   void decide(db::StepRow& step) const;
   std::vector<SensorSample> sensorSamples(bool lux);
@@ -105,6 +120,7 @@ class StepRunner {
   devices::Clock& clock_;
   std::string run_id_;
   const SessionHooks& hooks_;
+  std::shared_ptr<Doorbell> bell_ = std::make_shared<Doorbell>();
   std::vector<std::unique_ptr<CameraUnit>> units_;
   Lamps lamps_;
   LightGate gate_;
@@ -115,6 +131,7 @@ class StepRunner {
   int held_steps_ = 0;  // in a row: the wait between tries grows with them
   std::vector<db::ShotRow> in_flight_;
   std::uint64_t sequence_ = 0;  // of attempts; rises over restarts too
+  bool first_step_ = true;      // cameras are being opened, which takes its time
   Progress now_;
 };
 

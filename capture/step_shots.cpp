@@ -10,6 +10,9 @@ namespace {
 constexpr double kClippingBegins = 0.01, kClippingEnds = 0.005;  // share of a picture's samples
 constexpr double kDarkLevel = 0.004, kDarkShare = 0.1;  // of full scale; of the light that was
 
+// A call should be back this long after its deadline: the contract of devices/camera.h.
+constexpr Nanoseconds kOverdue = std::chrono::seconds(10);
+
 // No reference patch sees any light: more than a lamp that changed.
 bool isDark(const GateVerdict& verdict) {
   bool seen = false;
@@ -30,10 +33,44 @@ devices::Result<void> StepRunner::light(const Group& group) {
   return {};
 }
 
+// Whether this attempt goes on without a camera in trouble unless it is ready: it is led up its
+// ladder meanwhile, and has an attempt of its own when the others have their pictures.
+bool StepRunner::leftOut(CameraUnit& unit, const Group& group) const {
+  return unit.ladder().troubled() && !unit.ladder().down() &&
+         std::any_of(group.todo.begin(), group.todo.end(),
+                     [](CameraUnit* other) { return !other->ladder().troubled(); });
+}
+
+// Cameras take their time to open, and one that is alone keeps nobody waiting. Beside others a
+// camera that is down gets no time for its rung: a later step finds it done.
+MonoTime StepRunner::waitToBeReady(CameraUnit& unit, const Group& group) const {
+  const MonoTime now = clock_.mono();
+  const MonoTime at_last = now + unit.caps().cycle + kOverdue;
+  if (first_step_) return at_last;
+  const MonoTime in_slot = std::min(at_last, workEnds() - unit.shotTime(group.exposure));
+  if (!unit.ladder().down()) return alone() ? at_last : in_slot;
+  if (alone()) return in_slot;
+  return unit.answers() ? std::min(in_slot, now + plan_.interval / 20) : now;
+}
+
+void StepRunner::awaitReady(const Group& group) {
+  for (CameraUnit* unit : group.todo)
+    if (!leftOut(*unit, group))
+      bell_->wait(clock_, waitToBeReady(*unit, group),
+                  [unit] { return unit->prepared().has_value(); });
+}
+
 // Rows before triggers: whatever happens now, it is known that it was tried.
 std::vector<StepRunner::Attempt> StepRunner::arm(Group& group) {
+  for (CameraUnit* unit : group.todo) unit->prepare(group.exposure);
+  awaitReady(group);
   std::vector<Attempt> attempts;
   for (CameraUnit* unit : group.todo) {
+    const auto ready = unit->prepared();
+    if (!ready && leftOut(*unit, group)) {
+      now_.device_trouble = unit->id() + ": " + unit->ladder().lastError();
+      continue;
+    }
     Attempt a;
     a.unit = unit;
     a.shot.step_id = now_.step->id;
@@ -46,62 +83,85 @@ std::vector<StepRunner::Attempt> StepRunner::arm(Group& group) {
     a.shot.f_number = group.exposure.f_number.value;
     a.shot.began_utc = clock_.utc();
     a.shot.began_mono = clock_.mono();
-    const auto ready = unit->prepare(group.exposure);
     a.shot.id = archive_.armShot(a.shot);
     in_flight_.push_back(a.shot);
     attempts.push_back(std::move(a));
-    if (!ready) fail(attempts.back(), ready.error());
+    if (!ready)
+      fail(attempts.back(), unit->excuse());
+    else if (!*ready)
+      fail(attempts.back(), ready->error());
   }
   if (group.attempt > 0) now_.step->retries += static_cast<int>(attempts.size());
   ++group.attempt;
   return attempts;
 }
 
-void StepRunner::expose(std::vector<Attempt>& attempts) {
+// A camera that is alone has all the time it asks for; one beside others is given up when they
+// would lose their rhythm, unless pictures take longer than a slot anyway.
+MonoTime StepRunner::waitForPicture(CameraUnit& unit, const Group& group, MonoTime shutter) const {
+  const Nanoseconds takes = unit.shotTime(group.exposure);
+  const MonoTime deadline = unit.collectBy(group.exposure, shutter, now_.slot_end);
+  if (alone()) return deadline + kOverdue;
+  if (unit.ladder().down()) return std::min(deadline, shutter + takes + unit.caps().cycle);
+  if (takes > plan_.interval) return deadline;
+  return std::min(deadline + kOverdue, std::max(workEnds(), shutter + takes + plan_.interval / 10));
+}
+
+// Tells all shutters, then asks for all pictures: each worker does both as soon as it can.
+void StepRunner::expose(std::vector<Attempt>& attempts, const Group& group) {
+  const MonoTime shutter = clock_.mono();
   for (Attempt& a : attempts) {
     if (a.shot.state != db::ShotState::kArmed) continue;
     devices::ShotRequest request;
     request.sequence = ++sequence_;
     request.key = run_id_ + "/" + std::to_string(a.shot.id);
-    auto ticket = a.unit->camera().trigger(request);
-    if (!ticket) {
-      fail(a, ticket.error());
-      continue;
-    }
-    a.ticket = std::move(*ticket);
-    a.shot.began_utc = a.ticket.began_utc;
-    a.shot.began_mono = a.ticket.began_mono;
+    a.ticket = a.unit->trigger(request);
   }
+  for (Attempt& a : attempts)
+    if (a.shot.state == db::ShotState::kArmed)
+      a.picture = a.unit->collect(group.exposure, now_.slot_end, !group.lights->empty());
+  for (Attempt& a : attempts)
+    if (a.shot.state == db::ShotState::kArmed)
+      bell_->wait(clock_, waitForPicture(*a.unit, group, shutter),
+                  [&a] { return a.picture->ready(); });
 }
 
-void StepRunner::inspect(Attempt& a, const Group& group) {
+void StepRunner::inspect(Attempt& a) {
   if (a.shot.state != db::ShotState::kArmed) return;
-  if (hooks_.abort.stop_requested())
+  if (hooks_.abort.stop_requested()) {
+    if (!a.picture->ready()) a.unit->giveUp();
     return fail(a, devices::Error{devices::Errc::kTimeout, "aborted by the operator"});
-  const MonoTime deadline = a.unit->collectBy(group.exposure, a.ticket.began_mono, now_.slot_end);
-  auto frames = a.unit->camera().collect(a.ticket, deadline);
-  if (!frames) return fail(a, frames.error());
-  a.frames = std::move(*frames);
-  a.check = a.unit->frames().check(a.frames, a.ticket, !group.lights->empty());
-  for (const std::string& remark : a.check.remarks) event("stale", remark);
-  if (a.check.fault == FrameFault::kNone) {
+  }
+  if (a.ticket->ready() && a.ticket->get()) {
+    a.shot.began_utc = a.ticket->get()->began_utc;
+    a.shot.began_mono = a.ticket->get()->began_mono;
+  }
+  if (!a.picture->ready()) {
+    const devices::Error excuse = a.unit->excuse();
+    a.unit->giveUp();
+    return fail(a, excuse);
+  }
+  if (!a.picture->get()) return fail(a, a.picture->get().error());
+  const ShotCheck& check = a.check();
+  for (const std::string& remark : check.remarks) event("stale", remark);
+  if (check.fault == FrameFault::kNone) {
     a.good = true;
     return;
   }
   // Of a camera that is down one broken file is much like the next: they would fill the disk.
-  const bool evidence = !a.unit->ladder().down() && (a.check.fault == FrameFault::kDecode ||
-                                                     a.check.fault == FrameFault::kLength ||
-                                                     a.check.fault == FrameFault::kWrongSize);
-  for (const devices::RawFrame& frame : a.frames) {
+  const bool evidence = !a.unit->ladder().down() &&
+                        (check.fault == FrameFault::kDecode || check.fault == FrameFault::kLength ||
+                         check.fault == FrameFault::kWrongSize);
+  for (const devices::RawFrame& frame : a.picture->get()->frames) {
     if (!evidence || frame.bytes.empty()) continue;
     db::EventRow why;
     why.run_id = run_id_;
     why.utc = clock_.utc();
     why.kind = "quarantine";
-    why.detail = a.check.detail;
+    why.detail = check.detail;
     archive_.quarantine(frame.bytes, frame.ext, why);
   }
-  fail(a, devices::Error{devices::Errc::kCorrupt, a.check.detail});
+  fail(a, devices::Error{devices::Errc::kCorrupt, check.detail});
 }
 
 GateVerdict StepRunner::judge(const Group& group, const std::vector<Attempt>& attempts) {
@@ -111,8 +171,8 @@ GateVerdict StepRunner::judge(const Group& group, const std::vector<Attempt>& at
   sample.exposure_index = group.exposure_index;
   sample.utc = clock_.utc();
   for (const Attempt& a : attempts)
-    if (a.good && a.check.patch)
-      sample.patches.push_back({a.unit->id(), *a.check.patch, a.shot.id});
+    if (a.good && a.check().patch)
+      sample.patches.push_back({a.unit->id(), *a.check().patch, a.shot.id});
   sample.sensors = sensorSamples(true);
   return gate_.judge(sample);
 }
@@ -151,7 +211,7 @@ void StepRunner::reject(std::vector<Attempt>& attempts, const GateVerdict& verdi
 
 void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheckRow> checks) {
   std::vector<db::PendingFrame> pending;
-  for (const CheckedFrame& f : a.check.frames) {
+  for (const CheckedFrame& f : a.check().frames) {
     db::PendingFrame p;
     p.file_index = f.frame->file_index;
     p.ext = f.frame->ext;
@@ -180,22 +240,22 @@ void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheck
     if (hooks_.on_acknowledged) hooks_.on_acknowledged(row);
   }
 
-  a.unit->frames().remember(a.check);
+  a.unit->frames().remember(a.check());
   a.unit->succeeded();
   alerts_.acknowledged(moment());
   alerts_.clear(AlertKind::kCameraDown, a.unit->id(), moment());
   watchClipping(a, group.state);
-  for (const CheckedFrame& f : a.check.frames)
-    if (!f.frame->card_handle.empty()) static_cast<void>(a.unit->camera().release(*f.frame));
+  for (const CheckedFrame& f : a.check().frames)
+    if (!f.frame->card_handle.empty()) a.unit->release(*f.frame);
 }
 
 void StepRunner::watchClipping(const Attempt& a, const std::string& state) {
   const std::string where = a.unit->id() + " " + state;
-  const double percent = a.check.saturated_fraction * 100;
-  if (a.check.saturated_fraction > kClippingBegins)
+  const double percent = a.check().saturated_fraction * 100;
+  if (a.check().saturated_fraction > kClippingBegins)
     alerts_.raise(AlertKind::kClipping, where, std::to_string(percent) + " % of the samples",
                   moment());
-  else if (a.check.saturated_fraction < kClippingEnds)
+  else if (a.check().saturated_fraction < kClippingEnds)
     alerts_.clear(AlertKind::kClipping, where, moment());
 }
 
@@ -220,8 +280,8 @@ bool StepRunner::shoot(Group& group) {
     return true;
   }
   auto attempts = arm(group);
-  expose(attempts);
-  for (Attempt& a : attempts) inspect(a, group);
+  expose(attempts, group);
+  for (Attempt& a : attempts) inspect(a);
   const auto good =
       std::count_if(attempts.begin(), attempts.end(), [](const Attempt& a) { return a.good; });
   if (good == 0) return true;

@@ -84,9 +84,10 @@ class Camera {
   // kTimeout: unknown, recover() next. Frames belong to this ticket or the answer is an error;
   // a driver that cannot tell passes on `sequence`, and the session checks.
   virtual Result<std::vector<RawFrame>> collect(const Ticket& ticket, MonoTime deadline) = 0;
-  virtual Result<void> release(const RawFrame& frame) = 0;  // card copy, after the acknowledgement
-  virtual Result<std::vector<CameraEvent>> poll() = 0;      // drains events, keeps it awake
-  virtual Result<void> recover(Rung rung) = 0;              // idempotent
+  // The card's copy, after the acknowledgement; `frame` comes without its bytes.
+  virtual Result<void> release(const RawFrame& frame) = 0;
+  virtual Result<std::vector<CameraEvent>> poll() = 0;  // drains events, keeps it awake
+  virtual Result<void> recover(Rung rung) = 0;          // idempotent
 };
 
 }  // namespace patina::devices

@@ -21,6 +21,8 @@ class Clock {
   virtual UtcTime utc() const = 0;    // may jump
   virtual MonoTime mono() const = 0;  // CLOCK_BOOTTIME: never jumps, counts suspend
   virtual std::string bootId() const = 0;
+  // False: every call comes from one thread, and whoever would use more makes its calls there.
+  virtual bool threadSafe() const = 0;
   // Returns at `due` (at once when it has passed) or when stop is asked for; stop wins.
   virtual Wake sleepUntil(MonoTime due, std::stop_token stop) = 0;
 };
@@ -32,6 +34,7 @@ class RealClock final : public Clock {
   UtcTime utc() const override;
   MonoTime mono() const override;
   std::string bootId() const override;
+  bool threadSafe() const override { return true; }
   Wake sleepUntil(MonoTime due, std::stop_token stop) override;
 };
 
@@ -44,6 +47,7 @@ class VirtualClock final : public Clock {
   UtcTime utc() const override { return utc_; }
   MonoTime mono() const override { return mono_; }
   std::string bootId() const override { return boot_id_; }
+  bool threadSafe() const override { return false; }
   Wake sleepUntil(MonoTime due, std::stop_token stop) override;
 
   void at(MonoTime due, std::function<void()> call);

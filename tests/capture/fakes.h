@@ -2,8 +2,9 @@
 // Devices that do as the test says, for what the twin cannot do on order.
 #pragma once
 
-#include <deque>
-#include <functional>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,38 @@
 #include "devices/light.h"
 
 namespace patina::capture {
+
+// Calls wait at a closed gate, on whatever thread they are. Outlives nobody: shared.
+class Gate {
+ public:
+  void close() {
+    const std::lock_guard lock(mutex_);
+    open_ = false;
+  }
+  void open() {
+    const std::lock_guard lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+  void pass() {
+    std::unique_lock lock(mutex_);
+    if (open_) return;
+    ++waiting_;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return open_; });
+    --waiting_;
+  }
+  void waitForOne() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return waiting_ > 0; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = true;
+  int waiting_ = 0;
+};
 
 class FakeCamera final : public devices::Camera {
  public:
@@ -28,21 +61,30 @@ class FakeCamera final : public devices::Camera {
     return devices::Applied{applied.value_or(e)};
   }
   devices::Result<devices::Ticket> trigger(const devices::ShotRequest& r) override {
+    if (busy) return devices::fail(devices::Errc::kBusy, "busy");
     devices::Ticket t;
     t.key = r.key;
     t.sequence = r.sequence;
     return t;
   }
-  devices::Result<std::vector<devices::RawFrame>> collect(const devices::Ticket&,
+  devices::Result<std::vector<devices::RawFrame>> collect(const devices::Ticket& t,
                                                           MonoTime) override {
-    return std::vector<devices::RawFrame>{};
+    ++collected;
+    hangs->pass();
+    devices::RawFrame frame;
+    frame.sequence = t.sequence;
+    return std::vector<devices::RawFrame>{frame};
   }
-  devices::Result<void> release(const devices::RawFrame&) override { return {}; }
+  devices::Result<void> release(const devices::RawFrame& frame) override {
+    released.push_back(frame);
+    return {};
+  }
   devices::Result<std::vector<devices::CameraEvent>> poll() override {
     return std::vector<devices::CameraEvent>{};
   }
   devices::Result<void> recover(devices::Rung rung) override {
     rungs.push_back(rung);
+    if (hang_in_recover) hangs->pass();
     return {};
   }
 
@@ -50,6 +92,10 @@ class FakeCamera final : public devices::Camera {
   std::optional<devices::Exposure> applied;  // what the hardware does instead
   std::vector<devices::Exposure> configured;
   std::vector<devices::Rung> rungs;
+  std::vector<devices::RawFrame> released;
+  int collected = 0;
+  bool busy = false, hang_in_recover = false;
+  std::shared_ptr<Gate> hangs = std::make_shared<Gate>();  // collect and, if asked, recover
 };
 
 class FakeLight final : public devices::Light {

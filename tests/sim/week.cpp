@@ -26,6 +26,7 @@ class UnsteppedClock final : public devices::Clock {
   UtcTime utc() const override { return t0_ + time_.now(); }
   MonoTime mono() const override { return time_.clock().mono(); }
   std::string bootId() const override { return time_.clock().bootId(); }
+  bool threadSafe() const override { return false; }
   devices::Wake sleepUntil(MonoTime due, std::stop_token stop) override {
     return time_.clock().sleepUntil(due, std::move(stop));
   }

@@ -17,6 +17,7 @@ class ManualClock final : public devices::Clock {
     return now_;
   }
   std::string bootId() const override { return "manual"; }
+  bool threadSafe() const override { return true; }
   devices::Wake sleepUntil(MonoTime due, std::stop_token stop) override {
     const std::stop_callback wake(stop, [this] {
       const std::lock_guard lock(mutex_);
