@@ -37,7 +37,7 @@ SecretFile takeFile(ConfigTable& table, const std::string& key) {
 
 // The messages never repeat the text: it may hold what the writer did not mean to show.
 std::string takeUrl(ConfigTable& table, const SecretFile& url_file) {
-  const std::string url = table.takeString("url", "");
+  std::string url = table.takeString("url", "");
   if (url.empty() && !url_file) table.reject("url", "is missing; name url or url_file");
   if (!url.empty() && url_file) table.reject("url", "and url_file exclude each other");
   if (url.empty()) return url;

@@ -16,6 +16,7 @@ class ScaledClock final : public Clock {
   UtcTime utc() const override;
   MonoTime mono() const override;
   std::string bootId() const override;  // another than the real one: the grids do not mix
+  bool threadSafe() const override { return real_.threadSafe(); }
   Wake sleepUntil(MonoTime due, std::stop_token stop) override;
 
  private:
