@@ -109,6 +109,7 @@ MonoTime StepRunner::waitForPicture(CameraUnit& unit, const Group& group, MonoTi
 
 // Tells all shutters, then asks for all pictures: each worker does both as soon as it can.
 void StepRunner::expose(std::vector<Attempt>& attempts, const Group& group) {
+  if (hooks_.abort.stop_requested()) return;
   const MonoTime shutter = clock_.mono();
   for (Attempt& a : attempts) {
     if (a.shot.state != db::ShotState::kArmed) continue;
@@ -129,7 +130,7 @@ void StepRunner::expose(std::vector<Attempt>& attempts, const Group& group) {
 void StepRunner::inspect(Attempt& a) {
   if (a.shot.state != db::ShotState::kArmed) return;
   if (hooks_.abort.stop_requested()) {
-    if (!a.picture->ready()) a.unit->giveUp();
+    if (a.picture && !a.picture->ready()) a.unit->giveUp();
     return fail(a, devices::Error{devices::Errc::kTimeout, "aborted by the operator"});
   }
   if (a.ticket->ready() && a.ticket->get()) {

@@ -11,7 +11,7 @@ constexpr std::size_t kSubjectMost = 120;
 std::string whatOf(const Message& m) {
   switch (m.kind) {
     case MessageKind::kAlert: {
-      const std::string what = describe(m.news.kind, m.news.subject);
+      std::string what = describe(m.news.kind, m.news.subject);
       if (m.news.event == AlertEvent::kOver) return what + ": over";
       if (m.news.event == AlertEvent::kReminder) return what + ": still";
       return what;

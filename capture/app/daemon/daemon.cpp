@@ -87,7 +87,7 @@ class Daemon::Impl {
   void run(const std::stop_token& stop);
 
   std::string reload() {
-    const std::string told = config_.reload();
+    std::string told = config_.reload();
     options_.say("reloaded: " + told);
     return told;
   }

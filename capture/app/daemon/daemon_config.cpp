@@ -61,7 +61,7 @@ std::string LiveConfig::reload() {
                                 file_.string() +
                                     ": only `plans` can change while the daemon runs: restart it "
                                     "for the rest, runs go on by themselves");
-  const std::string told = toldOf(config_, fresh);
+  std::string told = toldOf(config_, fresh);
   config_ = fresh;
   return told;
 }

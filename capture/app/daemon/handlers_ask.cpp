@@ -30,7 +30,7 @@ std::filesystem::path allowedPlan(const Surroundings& around, const Request& req
                                 "--plans DIR, or start the run on its machine");
   std::error_code error;
   const auto root = std::filesystem::weakly_canonical(folder, error);
-  const auto plan = std::filesystem::weakly_canonical(root / asked, error);
+  auto plan = std::filesystem::weakly_canonical(root / asked, error);
   const auto [end, unused] = std::mismatch(root.begin(), root.end(), plan.begin(), plan.end());
   if (error || end != root.end() || plan == root)
     throw capture::CaptureError(Exit::kPermission, "that plan does not lie in the folder of plans");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What may be seen: GET, for viewers.
 #include <charconv>
+#include <utility>
 
 #include "capture/app/daemon/handlers.h"
 #include "db/archive_pages.h"
@@ -184,7 +185,8 @@ std::vector<http::Route> readingRoutes(Surroundings& around) {
   std::vector<http::Route> routes = listsOfARun(around);
   const auto get = [&routes](const char* path, const char* id,
                              std::function<Response(const Request&)> handler) {
-    routes.push_back({"GET", std::string("/api/v1/") + path, Role::kViewer, id, handler});
+    routes.push_back(
+        {"GET", std::string("/api/v1/") + path, Role::kViewer, id, std::move(handler)});
   };
   get("status", "getStatus",
       [&around](const Request&) { return json(listJson("status", {jsonOf(around.status())})); });

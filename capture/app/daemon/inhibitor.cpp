@@ -15,7 +15,7 @@ constexpr std::uint64_t kPatienceUs = 5'000'000;
 // The lock's descriptor, or -errno; `why` in words.
 int inhibit(std::string& why) {
   sd_bus* bus = nullptr;
-  sd_bus_error error = SD_BUS_ERROR_NULL;
+  sd_bus_error error{};  // SD_BUS_ERROR_NULL is C
   sd_bus_message* reply = nullptr;
   int lock = sd_bus_open_system(&bus);
   if (lock >= 0) lock = sd_bus_set_method_call_timeout(bus, kPatienceUs);

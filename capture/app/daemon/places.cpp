@@ -63,7 +63,7 @@ Places placesToCall(const std::filesystem::path& archive) {
   folders.emplace_back("/run/patina");  // a daemon of the system, asked by a user
   const std::string name = nameOfArchive(archive);
   for (const auto& folder : folders) {
-    const Places places = in(folder, name);
+    Places places = in(folder, name);
     std::error_code error;
     if (std::filesystem::exists(places.socket, error)) return places;
   }

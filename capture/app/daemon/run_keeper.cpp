@@ -92,9 +92,13 @@ void RunKeeper::refuseOverlap(const RunFiles& files, const std::string& own_id) 
     if (id == own_id) continue;
     for (const std::string& held : run->view().devices)
       if (std::find(wanted.begin(), wanted.end(), held) != wanted.end())
-        throw CaptureError(Exit::kTemporary, held + " is in use by run " + id +
-                                                 ": wait for it, or stop it (`patina run stop " +
-                                                 id + "`)");
+        throw CaptureError(Exit::kTemporary,
+                           std::string(held)
+                               .append(" is in use by run ")
+                               .append(id)
+                               .append(": wait for it, or stop it (`patina run stop ")
+                               .append(id)
+                               .append("`)"));
   }
 }
 
@@ -231,7 +235,7 @@ RunView RunKeeper::pause(const std::string& wanted) {
     throw CaptureError(Exit::kUsage, "run " + row.id + " is " + row.state + ": nothing to pause");
   const Run run = find(row.id);
   if (run) run->askToPause(true);
-  const RunView view = viewOf(rowOf(row.id));
+  RunView view = viewOf(rowOf(row.id));
   options_.observer.onRun(view);
   return view;
 }
@@ -257,7 +261,7 @@ RunView RunKeeper::resume(const std::string& wanted) {
     run->askToPause(false);
     if (!run->working()) tryToLaunch(run);
   }
-  const RunView view = viewOf(rowOf(row.id));
+  RunView view = viewOf(rowOf(row.id));
   options_.observer.onRun(view);
   return view;
 }
@@ -272,7 +276,7 @@ RunView RunKeeper::endBy(const std::string& wanted, const std::string& state) {
   const Run run = find(row.id);
   if (run && run->working()) aborts ? run->askToAbort() : run->askToStop();
   if (run && !run->working()) run->setTrouble({});
-  const RunView view = viewOf(rowOf(row.id));
+  RunView view = viewOf(rowOf(row.id));
   options_.observer.onRun(view);
   return view;
 }

@@ -119,7 +119,8 @@ std::vector<std::string> WatchLines::screen(int columns) const {
     if (!view.trouble.empty()) rest += "  trouble: " + view.trouble;
     lines.push_back(rest);
   }
-  for (const auto& [key, detail] : alerts_) lines.push_back("  ! " + key + ": " + detail);
+  for (const auto& [key, detail] : alerts_)
+    lines.push_back(std::string("  ! ").append(key).append(": ").append(detail));
   if (lines.empty()) lines.emplace_back("no run is going on");
   for (std::string& line : lines) line = plain(line, columns);
   return lines;

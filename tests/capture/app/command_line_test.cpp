@@ -18,7 +18,7 @@ TEST(CommandLine, UnknownVerbIsAUsageError) {
 
 TEST(CommandLine, VerbsOfLaterIssuesAreNotThere) {
   EXPECT_EQ(runPatina({"brdf", "fit"}).exit, 64);
-  EXPECT_EQ(runPatina({"daemon", "--archive", "x"}).exit, 64);
+  EXPECT_EQ(runPatina({"stbrdf", "fit"}).exit, 64);
 }
 
 TEST(CommandLine, NoVerbIsAUsageErrorThatPointsToTheHelp) {
