@@ -54,7 +54,7 @@ int FrameStore::write(const std::filesystem::path& path, std::span<const std::by
 std::filesystem::path FrameStore::writeTemporary(std::span<const std::byte> bytes,
                                                  const std::string& ext) {
   for (int attempt = 1;; ++attempt) {
-    const auto path = options_.folder / "tmp" / (std::to_string(++written_) + "." + ext);
+    auto path = options_.folder / "tmp" / (std::to_string(++written_) + "." + ext);
     const int got = write(path, bytes);
     if (got == 0) return path;
     if (got == -ENOENT) throwGone(options_.folder);
@@ -122,7 +122,7 @@ void FrameStore::forget(const std::filesystem::path& path) noexcept { files_.rem
 std::filesystem::path FrameStore::quarantine(std::span<const std::byte> bytes,
                                              const std::string& ext) {
   const auto temporary = writeTemporary(bytes, ext);
-  const auto path = options_.folder / "quarantine" / (sha256(bytes).hex() + "." + ext);
+  auto path = options_.folder / "quarantine" / (sha256(bytes).hex() + "." + ext);
   makeFolder(path.parent_path());
   const int got = files_.renameNoReplace(temporary, path);
   if (got == -EEXIST)
