@@ -44,7 +44,7 @@ TEST_P(SeededWeeks, LoseNothingDoubleNothingAndComeBackToLife) {
   std::printf(
       "%d weeks from seed %lld: %d lives, %zu pictures taken, %zu files acknowledged, %lld steps "
       "in calm, 0 broken invariants\n",
-      weeks, static_cast<long long>(first + GetParam()), lives, pictures, acknowledged,
+      weeks, static_cast<long long>(first) + GetParam(), lives, pictures, acknowledged,
       static_cast<long long>(calm));
   EXPECT_GE(calm, 2 * weeks) << "too few steps in which it had to be itself again";
 }

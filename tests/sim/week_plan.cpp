@@ -190,8 +190,9 @@ void WeekDrawer::drawFaults() {
     // A camera that stays one picture behind cannot be told from a good one by its files alone.
     const bool lasts = kind.starts_with("lamp") || (draw_.chance(40) && kind != "stale_frame");
     const Nanoseconds length = lasts ? intervals(1, 4) : Nanoseconds{};
-    week_.faults_toml += "[[fault]]\nat = \"" + formatDuration(at) + "\"\ndevice = \"" + device +
-                         "\"\nkind = \"" + kind + "\"\n";
+    week_.faults_toml.append("[[fault]]\nat = \"").append(formatDuration(at));
+    week_.faults_toml.append("\"\ndevice = \"").append(device);
+    week_.faults_toml.append("\"\nkind = \"").append(kind).append("\"\n");
     if (kind == "lamp_step")
       week_.faults_toml += draw_.chance(50) ? "amount = 0.05\n" : "amount = -0.2\n";
     if (kind == "lamp_drift") week_.faults_toml += "amount = -0.3\n";
