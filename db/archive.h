@@ -94,12 +94,14 @@ class Archive {
   std::optional<RunState> runState(const std::string& run_id) const;
 
   void addDevice(const DeviceRow& device);  // or update; a shot's or reading's device is added bare
-  // A decided step is committed whole. A pending one is written by the next commit of any kind
+  // A decided step is committed whole. A pending one is written by the next change of any kind
   // (armShot, as a rule): a crash before that leaves no trace of it.
   RowId beginStep(const StepRow& step);
   void addSteps(std::span<const StepRow> decided);  // many in one transaction: gaps, imports
   void finishStep(const StepRow& step);             // by id
-  RowId armShot(const ShotRow& shot);               // before the trigger
+  // Before the trigger. Promised by the journal alone: one fsync between the order and the
+  // shutter. Its row enters the table with the next commit of its run, or by recovery.
+  RowId armShot(const ShotRow& shot);
   // All files of one shot in one transaction with the shot's row and its verdicts. The promise.
   // With `finished`, the step's finishStep() rides in the same transaction: one commit less.
   std::vector<FrameRow> acknowledge(const ShotRow& shot, std::span<const PendingFrame> frames,

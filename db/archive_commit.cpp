@@ -68,12 +68,13 @@ RowId Archive::armShot(const ShotRow& shot) {
   s.checkUsable();
   s.ensureDevice(shot.device_id, "camera");
   const std::string run_id = s.runOfStep(shot.step_id);
+  s.checkNewShot(run_id, shot);
   ShotRow row = shot;
   row.id = s.next.shot++;
   row.state = ShotState::kArmed;
   Change change = s.changeOf(run_id);
   change.add(How::kInsert, row);
-  s.commit(run_id, change);
+  s.writeAhead(run_id, change);
   s.point(CommitPoint::kShotArmed);
   return row.id;
 }

@@ -26,6 +26,14 @@ void makeFolders(FileOps& files, const std::filesystem::path& folder) {
   checkDisk(files.syncFolder(folder.parent_path()), "syncing", folder.parent_path());
 }
 
+template <class Row, class Is>
+bool contains(const Change::Rows& rows, const Is& is) {
+  return std::ranges::any_of(rows, [&](const auto& of) {
+    const Row* row = std::get_if<Row>(&of.second);
+    return row != nullptr && is(*row);
+  });
+}
+
 }  // namespace
 
 void checkRunId(const std::string& id) {
@@ -40,8 +48,8 @@ void checkRunId(const std::string& id) {
                        "'" + id + "' is no id of a run: letters, digits and - _ . only");
 }
 
-void apply(CatalogueWriter& writer, const Change& change) {
-  for (const auto& [how, any] : change.rows)
+void applyRows(CatalogueWriter& writer, const Change::Rows& rows) {
+  for (const auto& [how, any] : rows)
     std::visit(
         [&writer, how = how]<class Row>(const Row& row) {
           if constexpr (std::same_as<Row, ShotRow>)
@@ -69,7 +77,7 @@ void commitShared(Database& database, CatalogueWriter& writer, Journal& shared, 
     shared.refresh(whole);
     Change change;
     fill(change, writer);
-    apply(writer, change);
+    applyRows(writer, change.rows);
     shared.write(change.lines.finish());
     shared.sync();
     writer.mark(shared.name(), shared.size());
@@ -108,19 +116,21 @@ void Archive::State::closeJournalOf(const std::string& run_id) {
 
 std::string Archive::State::runOfStep(RowId step_id) {
   if (known_step == step_id) return known_run;
-  for (const auto& [run_id, step] : deferred) {
-    if (step.id != step_id) continue;
+  const auto know = [&](const std::string& run_id) {
     known_step = step_id;  // also when its row is in the table
     return known_run = run_id;
-  }
+  };
+  for (const auto& [run_id, step] : deferred)
+    if (step.id == step_id) return know(run_id);
+  for (const auto& [run_id, rows] : ahead)
+    if (contains<StepRow>(rows, [&](const StepRow& step) { return step.id == step_id; }))
+      return know(run_id);
   Statement& statement = reader->state_->statement(Query::kRunOfStep);
   const Reading reading(statement);
   statement.bind(1, step_id);
   if (!statement.step())
     throw ArchiveError(Exit::kBadData, "there is no step " + std::to_string(step_id));
-  known_step = step_id;
-  known_run = statement.text(0);
-  return known_run;
+  return know(std::string(statement.text(0)));
 }
 
 void Archive::State::checkNewStep(const StepRow& step) {
@@ -137,6 +147,33 @@ void Archive::State::checkNewStep(const StepRow& step) {
     throw ArchiveError(Exit::kBadData, "step " + std::to_string(*step.number) + " of run " +
                                            step.run_id + " has its row already");
   at->second = std::max(at->second, *step.number);
+}
+
+void Archive::State::checkNewShot(const std::string& run_id, const ShotRow& shot) {
+  const auto same = [&](const ShotRow& other) {
+    return other.step_id == shot.step_id && other.device_id == shot.device_id &&
+           other.light_state == shot.light_state && other.exposure_index == shot.exposure_index &&
+           other.attempt == shot.attempt;
+  };
+  const auto step = [&](const StepRow& row) { return row.id == shot.step_id; };
+  const auto begun = deferred.find(run_id);
+  const auto waiting = ahead.find(run_id);
+  bool armed = false;
+  if (waiting != ahead.end()) armed = contains<ShotRow>(waiting->second, same);
+  const bool step_is_new = (begun != deferred.end() && step(begun->second)) ||
+                           (waiting != ahead.end() && contains<StepRow>(waiting->second, step));
+  if (!armed && !step_is_new) {
+    Statement& statement = reader->state_->statement(Query::kShotOfKey);
+    const Reading reading(statement);
+    statement.bind(1, shot.step_id).bind(2, shot.device_id).bind(3, shot.light_state);
+    statement.bind(4, std::int64_t{shot.exposure_index}).bind(5, std::int64_t{shot.attempt});
+    armed = statement.step();
+  }
+  if (!armed) return;
+  throw ArchiveError(Exit::kBadData, "attempt " + std::to_string(shot.attempt) + " of " +
+                                         shot.device_id + ", light " + shot.light_state +
+                                         ", exposure " + std::to_string(shot.exposure_index) +
+                                         " was armed before");
 }
 
 void Archive::State::insertDevice(const DeviceRow& device) {
@@ -156,25 +193,61 @@ Change Archive::State::changeOf(const std::string& run_id) const {
   return change;
 }
 
+void Archive::State::writeLines(Journal& journal, Change& change) {
+  try {
+    journal.write(change.lines.finish());
+  } catch (const ArchiveError&) {
+    journal.takeBack();
+    throw;
+  }
+}
+
+void Archive::State::syncJournal(Journal& journal) {
+  if (options.mutant != ArchiveOptions::Mutant::kNoFolderSync) journal.sync();
+}
+
+void Archive::State::giveUp(Journal& journal, const ArchiveError& error) {
+  // After EIO nobody knows what the disk holds: the lines stay, recovery judges them.
+  if (error.exit() == Exit::kIo)
+    broken = true;
+  else
+    journal.takeBack();
+}
+
+void Archive::State::writeAhead(const std::string& run_id, Change& change) {
+  checkUsable();
+  Journal& journal = journalOf(run_id);
+  writeLines(journal, change);
+  try {
+    syncJournal(journal);
+  } catch (const ArchiveError& e) {
+    giveUp(journal, e);
+    throw;
+  }
+  journal.settle();
+  deferred.erase(run_id);
+  auto& rows = ahead[run_id];
+  rows.insert(rows.end(), change.rows.begin(), change.rows.end());
+}
+
 void Archive::State::commitJournal(Journal& journal, const Change& change,
                                    const std::function<void()>& journal_synced) {
+  const auto waiting = ahead.find(journal.name());
   try {
-    if (options.mutant != ArchiveOptions::Mutant::kNoFolderSync) journal.sync();
+    syncJournal(journal);
     if (journal_synced) journal_synced();
     Transaction transaction(*database);
-    apply(*writer, change);
+    if (waiting != ahead.end()) applyRows(*writer, waiting->second);
+    applyRows(*writer, change.rows);
     writer->mark(journal.name(), journal.size());
     transaction.commit();
   } catch (const ArchiveError& e) {
-    // After EIO nobody knows what the disk holds: the lines stay, recovery judges them.
-    if (e.exit() == Exit::kIo)
-      broken = true;
-    else
-      journal.takeBack();
+    giveUp(journal, e);
     throw;
   }
   journal.settle();
   deferred.erase(journal.name());
+  if (waiting != ahead.end()) ahead.erase(waiting);
 }
 
 void Archive::State::commit(const std::string& run_id, Change& change) {
@@ -185,12 +258,7 @@ void Archive::State::commit(const std::string& run_id, Change& change) {
     return;
   }
   Journal& journal = journalOf(run_id);
-  try {
-    journal.write(change.lines.finish());
-  } catch (const ArchiveError&) {
-    journal.takeBack();
-    throw;
-  }
+  writeLines(journal, change);
   commitJournal(journal, change, {});
 }
 

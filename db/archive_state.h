@@ -29,9 +29,10 @@ struct Change {
     rows.emplace_back(how, row);
   }
   JournalLines lines;
-  std::vector<std::pair<How, AnyRow>> rows;
+  using Rows = std::vector<std::pair<How, AnyRow>>;
+  Rows rows;
 };
-void apply(CatalogueWriter& writer, const Change& change);
+void applyRows(CatalogueWriter& writer, const Change::Rows& rows);
 
 // One transaction on rows that belong to no run, beside other processes that may do the same:
 // `fill` runs under SQLite's write lock. What a dead process left in the journal is taken over.
@@ -60,8 +61,10 @@ struct Archive::State {
   RecoveryReport report;
   NextIds next;
   std::map<std::string, StepRow> deferred;  // by run: begun, pending, in no table yet
-  std::set<std::string> devices;            // that have a row
-  RowId known_step = 0;                     // whose run is known_run
+  // By run: promised by the journal, in no table yet. The run's next commit brings them there.
+  std::map<std::string, Change::Rows> ahead;
+  std::set<std::string> devices;  // that have a row
+  RowId known_step = 0;           // whose run is known_run
   std::string known_run;
   std::map<std::string, std::int64_t> highest_number;  // of the steps of a run; -1: none
   bool broken = false;
@@ -75,6 +78,7 @@ struct Archive::State {
   std::string runOfStep(RowId step_id);
   // Throws when the step has its row already. Asks the catalogue only for numbers that go back.
   void checkNewStep(const StepRow& step);
+  void checkNewShot(const std::string& run_id, const ShotRow& shot);  // throws: armed before
   void ensureDevice(const std::string& id, const char* kind);
   void insertDevice(const DeviceRow& device);
 
@@ -84,6 +88,11 @@ struct Archive::State {
   void commit(const std::string& run_id, Change& change);
   // The same for rows that say why we stop: when the disk is full, the reserve gives way.
   void commitSmall(const std::string& run_id, Change& change);
+  // Journal and fsync only: a crash loses nothing of it, the tables follow with the next commit.
+  void writeAhead(const std::string& run_id, Change& change);
+  void writeLines(Journal& journal, Change& change);  // or nothing of them
+  void syncJournal(Journal& journal);
+  void giveUp(Journal& journal, const ArchiveError& error);  // its lines, unless the disk failed
   void commitJournal(Journal& journal, const Change& change,
                      const std::function<void()>& journal_synced);
   RowId addEvent(const EventRow& event);

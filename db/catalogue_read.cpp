@@ -133,6 +133,10 @@ std::string sqlOf(Query query) {
                         "event WHERE run_id = ? AND id > ? ORDER BY id LIMIT ?");
     case Query::kArmedShots:
       return selectFrom(columnList<ShotRow>(), "shot WHERE state = 'armed' ORDER BY id");
+    case Query::kShotOfKey:
+      return selectFrom("1",
+                        "shot WHERE step_id = ? AND device_id = ? AND light_state = ? AND "
+                        "exposure_index = ? AND attempt = ?");
     default:
       return sqlOfFrames(query);
   }

@@ -42,9 +42,10 @@ enum class Query {
   kProducts,
   kProductsOfKind,
   kProductInputs,
-  kArmedShots
+  kArmedShots,
+  kShotOfKey
 };
-constexpr int kQueryCount = 30;
+constexpr int kQueryCount = 31;
 std::string sqlOf(Query query);
 
 struct ArchiveReader::State {

@@ -15,6 +15,7 @@ namespace patina::db::testing {
 namespace {
 
 using patina::testing::TempFolder;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -152,6 +153,57 @@ TEST_F(ArchiveCommitTest, AFullDiskAcknowledgesNothingAndGoesOnWhenThereIsRoom) 
   hook_ = {};
   EXPECT_THAT(archive.acknowledge(shot, frames, {}, at(0)), SizeIs(1));
   EXPECT_THAT(verify(path_, progress_).problems, IsEmpty());
+}
+
+TEST_F(ArchiveCommitTest, ArmingSyncsTheJournalAndNothingElse) {
+  Archive archive(optionsFor(path_, &disk_));
+  beginRun(archive);
+  capture(archive, 0, 1);
+  StepRow step = stepRow(1);
+  step.id = archive.beginStep(step);
+  std::vector<std::string> synced;
+  hook_ = [&](Call call, const auto& path) {
+    if (call == Call::kSync) synced.push_back(path.filename());
+    return 0;
+  };
+  archive.armShot(shotRow(step));
+  hook_ = {};
+  EXPECT_THAT(synced, ElementsAre(std::string(kRunId) + ".jsonl"));
+}
+
+TEST_F(ArchiveCommitTest, WhatWasArmedSurvivesACommitThatFails) {
+  Archive archive(optionsFor(path_, &disk_));
+  beginRun(archive);
+  StepRow step = stepRow(0);
+  step.id = archive.beginStep(step);
+  ShotRow first = shotRow(step), second = shotRow(step);
+  second.exposure_index = 1;
+  first.id = archive.armShot(first);
+  second.id = archive.armShot(second);
+  hook_ = [&](Call call, const auto& path) {
+    return call == Call::kSync && path.extension() == ".sqlite-wal" ? -ENOSPC : 0;
+  };
+  EXPECT_THROW(archive.failShot(first, "no light"), DiskFull);
+  hook_ = {};
+  archive.failShot(first, "no light");
+  const Bytes bytes = frameBytes(3);
+  archive.acknowledge(second, std::vector{pendingFrame(second, bytes)}, {}, at(0));
+  EXPECT_THAT(archive.reader().shotsOfStep(step.id), SizeIs(2));
+  EXPECT_THAT(verify(path_, progress_).problems, IsEmpty());
+}
+
+TEST_F(ArchiveCommitTest, AShotIsArmedOnce) {
+  Archive archive(optionsFor(path_, &disk_));
+  beginRun(archive);
+  StepRow step = stepRow(0);
+  step.id = archive.beginStep(step);
+  ShotRow shot = shotRow(step);
+  shot.id = archive.armShot(shot);
+  EXPECT_THROW(archive.armShot(shot), ArchiveError) << "while its row is in no table yet";
+  archive.failShot(shot, "no light");
+  EXPECT_THROW(archive.armShot(shot), ArchiveError) << "when the table has it";
+  ++shot.attempt;
+  EXPECT_NO_THROW(archive.armShot(shot));
 }
 
 TEST_F(ArchiveCommitTest, TheReserveLetsAFullDiskNoteItsEnd) {
