@@ -16,11 +16,7 @@ class Placing {
  public:
   Placing(FrameStore& store, const std::filesystem::path& archive)
       : store_(store), archive_(archive) {}
-  ~Placing() {
-    if (kept_) return;
-    for (const auto& path : temporaries_) store_.forget(path);
-    for (const auto& path : placed_) store_.forget(path);
-  }
+  ~Placing() { undo(); }
   Placing(const Placing&) = delete;
   Placing& operator=(const Placing&) = delete;
 
@@ -35,13 +31,20 @@ class Placing {
     temporaries_.clear();
     for (const FrameRow& row : rows) store_.syncFolderOf(row.sha256);
   }
-  void keep() { kept_ = true; }
+  void keep() {
+    temporaries_.clear();
+    placed_.clear();
+  }
+  void undo() noexcept {
+    for (const auto& path : temporaries_) store_.forget(path);
+    for (const auto& path : placed_) store_.forget(path);
+    keep();
+  }
 
  private:
   FrameStore& store_;
   std::filesystem::path archive_;
   std::vector<std::filesystem::path> temporaries_, placed_;
-  bool kept_ = false;
 };
 
 FrameRow rowOf(const PendingFrame& frame, RowId shot_id, UtcTime now) {
@@ -117,14 +120,17 @@ std::vector<FrameRow> Archive::acknowledge(const ShotRow& shot,
     placing.place(frames, rows);
   } catch (const ArchiveError& e) {
     s.broken = e.exit() == Exit::kIo;
+    placing.undo();
     journal.takeBack();
     throw;
   }
   s.point(CommitPoint::kFolderSynced);
   try {
-    s.commitJournal(journal, change, [&s] { s.point(CommitPoint::kJournalSynced); });
+    s.commitJournal(
+        journal, change, [&s] { s.point(CommitPoint::kJournalSynced); },
+        [&placing] { placing.undo(); });
   } catch (const ArchiveError&) {
-    if (s.broken) placing.keep();
+    placing.keep();
     throw;
   }
   placing.keep();

@@ -206,12 +206,15 @@ void Archive::State::syncJournal(Journal& journal) {
   if (options.mutant != ArchiveOptions::Mutant::kNoFolderSync) journal.sync();
 }
 
-void Archive::State::giveUp(Journal& journal, const ArchiveError& error) {
-  // After EIO nobody knows what the disk holds: the lines stay, recovery judges them.
-  if (error.exit() == Exit::kIo)
+void Archive::State::giveUp(Journal& journal, const ArchiveError& error,
+                            const std::function<void()>& undo) {
+  // After EIO nobody knows what the disk holds: everything stays, recovery judges it.
+  if (error.exit() == Exit::kIo) {
     broken = true;
-  else
-    journal.takeBack();
+    return;
+  }
+  undo();
+  journal.takeBack();
 }
 
 void Archive::State::writeAhead(const std::string& run_id, Change& change) {
@@ -221,7 +224,7 @@ void Archive::State::writeAhead(const std::string& run_id, Change& change) {
   try {
     syncJournal(journal);
   } catch (const ArchiveError& e) {
-    giveUp(journal, e);
+    giveUp(journal, e, [] {});
     throw;
   }
   journal.settle();
@@ -231,18 +234,19 @@ void Archive::State::writeAhead(const std::string& run_id, Change& change) {
 }
 
 void Archive::State::commitJournal(Journal& journal, const Change& change,
-                                   const std::function<void()>& journal_synced) {
+                                   const std::function<void()>& journal_synced,
+                                   const std::function<void()>& undo) {
   const auto waiting = ahead.find(journal.name());
   try {
     syncJournal(journal);
-    if (journal_synced) journal_synced();
+    journal_synced();
     Transaction transaction(*database);
     if (waiting != ahead.end()) applyRows(*writer, waiting->second);
     applyRows(*writer, change.rows);
     writer->mark(journal.name(), journal.size());
     transaction.commit();
   } catch (const ArchiveError& e) {
-    giveUp(journal, e);
+    giveUp(journal, e, undo);
     throw;
   }
   journal.settle();
@@ -259,7 +263,8 @@ void Archive::State::commit(const std::string& run_id, Change& change) {
   }
   Journal& journal = journalOf(run_id);
   writeLines(journal, change);
-  commitJournal(journal, change, {});
+  commitJournal(
+      journal, change, [] {}, [] {});
 }
 
 void Archive::State::commitSmall(const std::string& run_id, Change& change) {

@@ -92,9 +92,12 @@ struct Archive::State {
   void writeAhead(const std::string& run_id, Change& change);
   void writeLines(Journal& journal, Change& change);  // or nothing of them
   void syncJournal(Journal& journal);
-  void giveUp(Journal& journal, const ArchiveError& error);  // its lines, unless the disk failed
+  // `undo` and then the lines are taken back, unless the disk failed. In this order: a start finds
+  // a line without its frame, but looks for frames without a line only in the newest folders.
+  void giveUp(Journal& journal, const ArchiveError& error, const std::function<void()>& undo);
   void commitJournal(Journal& journal, const Change& change,
-                     const std::function<void()>& journal_synced);
+                     const std::function<void()>& journal_synced,
+                     const std::function<void()>& undo);
   RowId addEvent(const EventRow& event);
 
   void keepReserve();  // a file that can be given up, so that the end can be noted on a full disk

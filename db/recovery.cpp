@@ -2,6 +2,7 @@
 #include "db/recovery.h"
 
 #include <algorithm>
+#include <cerrno>
 
 #include "db/errors.h"
 #include "db/journal_rewrite.h"
@@ -56,6 +57,28 @@ void cutJournal(FileOps& files, const std::filesystem::path& path, std::int64_t 
 
 namespace {
 
+// What a process wrote and could not sync may be in the kernel's memory alone and called clean
+// there (fsync(2), EIO): a sync would say yes to nothing. Written again, it is dirty again.
+void writeAgain(FileOps& files, const std::filesystem::path& path, std::int64_t from,
+                std::int64_t to) {
+  std::unique_ptr<File> file;
+  checkDisk(files.open(path, FileOps::Mode::kUpdate, &file), "opening", path);
+  Bytes part(std::min<std::int64_t>(to - from, 1 << 20));
+  while (from < to) {
+    const auto span = std::span(part).first(std::min<std::int64_t>(to - from, part.size()));
+    const std::int64_t got = file->read(span, from);
+    if (got <= 0) throwDiskError(got < 0 ? static_cast<int>(-got) : EIO, "reading", path);
+    auto left = std::span(part).first(static_cast<std::size_t>(got));
+    while (!left.empty()) {
+      const std::int64_t put = file->write(left, from);
+      if (put <= 0) throwDiskError(put < 0 ? static_cast<int>(-put) : ENOSPC, "writing", path);
+      from += put;
+      left = left.subspan(static_cast<std::size_t>(put));
+    }
+  }
+  checkDisk(file->sync(), "syncing", path);
+}
+
 class Recovery {
  public:
   explicit Recovery(Archive::State& state) : s_(state), archive_(state.options.folder) {}
@@ -93,7 +116,10 @@ class Recovery {
         marks[tail.name] = rewriteJournal(*s_.files, archive_, *s_.database, tail.name);
       else if (whole < tail.size)
         cutJournal(*s_.files, journalPath(archive_, tail.name), whole);
-      if (!tail.batches.empty()) marks[tail.name] = whole;
+      if (tail.batches.empty()) continue;
+      writeAgain(*s_.files, journalPath(archive_, tail.name), tail.mark, whole);
+      keepNamesOf(tail);
+      marks[tail.name] = whole;
     }
     if (marks.empty()) return;
     // One transaction: the lines of a run refer to the shared journal's, and those to runs'.
@@ -108,6 +134,20 @@ class Recovery {
         }
     for (const auto& [name, bytes] : marks) s_.writer->mark(name, bytes);
     transaction.commit();
+  }
+
+  // A frame is adopted by its line although its process died before the name was synced.
+  void keepNamesOf(const JournalTail& tail) {
+    std::set<std::filesystem::path> folders;
+    for (const JournalBatch& batch : tail.batches)
+      for (const AnyRow& row : batch.rows)
+        if (const FrameRecord* frame = frameOf(row))
+          folders.insert((archive_ / framePath(frame->row.sha256, frame->row.ext)).parent_path());
+    for (const auto& folder : folders)
+      if (std::filesystem::exists(folder))
+        checkDisk(s_.files->syncFolder(folder), "syncing", folder);
+    if (!folders.empty())
+      checkDisk(s_.files->syncFolder(archive_ / "frames"), "syncing", archive_ / "frames");
   }
 
   // Recovery reads no clock: its events carry the last time the archive knows.

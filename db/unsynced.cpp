@@ -85,11 +85,26 @@ void Unsynced::cancel(std::uint64_t seq) {
   names_.erase(it);
 }
 
+// What could not be synced is kept after all once all its bytes were written again and that was
+// synced: a page that is written is dirty, whatever became of it before.
 void Unsynced::syncFile(std::uint64_t file, std::uint64_t upto) {
   const auto it = files_.find(file);
   if (it == files_.end()) return;
-  std::erase_if(it->second.changes, [&](const UndoEntry& e) { return e.seq <= upto && !e.stuck; });
-  if (it->second.changes.empty()) files_.erase(it);
+  auto& changes = it->second.changes;
+  const auto written_again = [&](const UndoEntry& old) {
+    const std::int64_t end = old.offset + old.bytes;
+    std::int64_t at = old.offset;
+    for (const UndoEntry& e : changes) {
+      const bool later = e.kind == UndoEntry::Kind::kWrite && e.seq > old.seq && e.seq <= upto;
+      if (later && !e.stuck && e.offset <= at) at = std::max(at, e.offset + e.bytes);
+    }
+    return old.kind == UndoEntry::Kind::kWrite && at >= end;
+  };
+  std::set<std::uint64_t> kept;
+  for (const UndoEntry& e : changes)
+    if (e.seq <= upto && (!e.stuck || written_again(e))) kept.insert(e.seq);
+  std::erase_if(changes, [&](const UndoEntry& e) { return kept.contains(e.seq); });
+  if (changes.empty()) files_.erase(it);
 }
 
 void Unsynced::syncFolder(const std::string& folder, std::uint64_t upto) {

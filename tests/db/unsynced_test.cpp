@@ -20,7 +20,7 @@ class Model : public ::testing::Test {
   }
   void write(std::uint64_t file, const char* path) {
     UndoEntry e = entry(Kind::kWrite, path);
-    e.file = file;
+    e.file = file, e.bytes = 16;
     model_.apply(e);
   }
   void names(Kind kind, const char* path, const char* to = "") {
@@ -99,6 +99,14 @@ TEST_F(Model, NeverBelievesASyncAfterAFailedOne) {
   says(Kind::kSyncFailed, 1, "", 1);
   says(Kind::kSynced, 1, "", seq_);
   EXPECT_EQ(model_.files().at(1).changes.size(), 1u);
+}
+
+TEST_F(Model, BelievesTheSyncOfWhatWasWrittenAgainAfterAFailedOne) {
+  write(1, "/a/x");
+  says(Kind::kSyncFailed, 1, "", 1);
+  write(1, "/a/x");
+  says(Kind::kSynced, 1, "", seq_);
+  EXPECT_TRUE(model_.empty());
 }
 
 }  // namespace

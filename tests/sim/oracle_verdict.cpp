@@ -91,7 +91,7 @@ bool OracleVerdict::isWhole(const db::StepRow& row) const {
 
 void OracleVerdict::mustBeAlive(std::int64_t slot, const db::StepRow& row) {
   if (slot * plan_.interval < plan_.healed) return;
-  if (++due_in_calm_ <= kGrace) return;
+  if (++due_in_calm_ <= kGrace + plan_.waiting) return;
   if (row.decision != db::Decision::kCaptured)
     problem("all is well, but step " + std::to_string(slot) + " is " + db::name(row.decision) +
             ": " + row.reason);

@@ -29,7 +29,7 @@ class OracleVerdict {
   void acknowledged(db::RowId shot_id, int file_index, const std::string& sha256);
   void frames(const std::function<std::vector<Truth>(const std::string& sha256)>& truths_of);
   void steps();
-  std::int64_t calmSteps() const { return std::max(0, due_in_calm_ - kGrace); }
+  std::int64_t calmSteps() const { return std::max(0, due_in_calm_ - kGrace - plan_.waiting); }
   void problem(const std::string& what) { problems_.push_back(what); }
   const std::vector<std::string>& problems() const { return problems_; }
 

@@ -27,12 +27,13 @@ constexpr int kParts = 4;
 TEST_P(SeededWeeks, LoseNothingDoubleNothingAndComeBackToLife) {
   const std::int64_t first = fromEnvironment("PATINA_SIM_FIRST_SEED", 1);
   const std::int64_t count = fromEnvironment("PATINA_SIM_SEEDS", 200);
-  int weeks = 0, lives = 0;
+  int weeks = 0, lives = 0, broken = 0;
   std::int64_t calm = 0;
   std::size_t acknowledged = 0, pictures = 0;
-  for (std::int64_t seed = first + GetParam(); seed < first + count; seed += kParts) {
+  for (std::int64_t seed = first + GetParam(); seed < first + count && broken < 5; seed += kParts) {
     const WeekOutcome outcome = runWeek(static_cast<std::uint64_t>(seed));
-    ASSERT_THAT(outcome.problems, IsEmpty())
+    if (!outcome.problems.empty()) ++broken;
+    EXPECT_THAT(outcome.problems, IsEmpty())
         << "PATINA_SIM_SEEDS=1 PATINA_SIM_FIRST_SEED=" << seed << "\n"
         << drawWeek(static_cast<std::uint64_t>(seed)).describe();
     calm += outcome.calm_steps;
@@ -43,9 +44,9 @@ TEST_P(SeededWeeks, LoseNothingDoubleNothingAndComeBackToLife) {
   }
   std::printf(
       "%d weeks from seed %lld: %d lives, %zu pictures taken, %zu files acknowledged, %lld steps "
-      "in calm, 0 broken invariants\n",
+      "in calm, %d weeks with broken invariants\n",
       weeks, static_cast<long long>(first) + GetParam(), lives, pictures, acknowledged,
-      static_cast<long long>(calm));
+      static_cast<long long>(calm), broken);
   EXPECT_GE(calm, 2 * weeks) << "too few steps in which it had to be itself again";
 }
 INSTANTIATE_TEST_SUITE_P(InParts, SeededWeeks, ::testing::Range(0, kParts));

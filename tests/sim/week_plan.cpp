@@ -198,6 +198,7 @@ void WeekDrawer::drawFaults() {
     if (kind == "lamp_drift") week_.faults_toml += "amount = -0.3\n";
     if (lasts) week_.faults_toml += "duration = \"" + formatDuration(length) + "\"\n";
     heal(at + length + week_.interval);
+    if (!lasts && !lamp && !sensor && !week_.windows.empty()) ++week_.waiting;
   }
 }
 

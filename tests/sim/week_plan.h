@@ -67,6 +67,7 @@ struct WeekPlan {
   bool reboots = false;           // a machine that went down comes back with another boot
   bool power_cuts = false;
   Nanoseconds healed{};  // nothing is wrong from here on
+  int waiting = 0;       // ... but for faults of one call that a closed window keeps waiting
 
   bool isDue(UtcTime t0, std::int64_t slot) const;
   std::string describe() const;  // for whoever looks into a failure
