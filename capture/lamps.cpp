@@ -4,8 +4,17 @@
 #include <algorithm>
 
 namespace patina::capture {
+namespace {
 
-Lamps::Lamps(devices::Rig& rig, const devices::Clock& clock) : clock_(clock) {
+bool has(const std::vector<std::string>& state, const std::string& id) {
+  return std::find(state.begin(), state.end(), id) != state.end();
+}
+
+}  // namespace
+
+Lamps::Lamps(devices::Rig& rig, const devices::Clock& clock,
+             std::vector<std::string> sweep_ends_with)
+    : clock_(clock), sweep_ends_with_(std::move(sweep_ends_with)) {
   for (const auto& light : rig.lights) {
     Lamp lamp;
     lamp.id = light->caps().id;
@@ -45,14 +54,16 @@ std::vector<devices::Error> Lamps::start() {
     if (auto up = lamp.light->recover(); !up) errors.push_back(up.error());
     lamp.on = false;
   }
-  rest();
+  for (Lamp& lamp : lamps_)
+    if (lamp.between != devices::Between::kKeep)
+      static_cast<void>(put(lamp, lamp.between == devices::Between::kOn));
   return errors;
 }
 
 devices::Result<MonoTime> Lamps::apply(const std::vector<std::string>& state, Nanoseconds settle) {
   MonoTime settled = clock_.mono();
   for (Lamp& lamp : lamps_) {
-    const bool on = std::find(state.begin(), state.end(), lamp.id) != state.end();
+    const bool on = has(state, lamp.id);
     if (auto done = put(lamp, on); !done) return tl::make_unexpected(done.error());
     if (on) settled = std::max(settled, lamp.since + settle);
   }
@@ -60,9 +71,10 @@ devices::Result<MonoTime> Lamps::apply(const std::vector<std::string>& state, Na
 }
 
 void Lamps::rest() {
-  for (Lamp& lamp : lamps_)
-    if (lamp.between != devices::Between::kKeep)
-      static_cast<void>(put(lamp, lamp.between == devices::Between::kOn));
+  for (Lamp& lamp : lamps_) {
+    const bool kept_on = lamp.between == devices::Between::kKeep && has(sweep_ends_with_, lamp.id);
+    static_cast<void>(put(lamp, kept_on || lamp.between == devices::Between::kOn));
+  }
 }
 
 void Lamps::allOff() {

@@ -12,15 +12,19 @@ namespace patina::capture {
 
 class Lamps {
  public:
-  Lamps(devices::Rig& rig, const devices::Clock& clock);
+  // `sweep_ends_with`: the last light state of every sweep.
+  Lamps(devices::Rig& rig, const devices::Clock& clock, std::vector<std::string> sweep_ends_with);
 
-  // Start-up: every lamp reachable and off, then as it is between shots. An unreachable lamp is no
-  // reason not to start: its states fail, the others go on.
+  // Start-up: every lamp reachable and off, then those on that are on between shots. A lamp that is
+  // kept stays off until its first shot or rest(). An unreachable lamp is no reason not to start:
+  // its states fail, the others go on.
   std::vector<devices::Error> start();
   // The lamps of `state` on, all others off; sent every time, since many lamps are one-way. Answers
   // when the light is settled: `settle` after the last lamp went on.
   devices::Result<MonoTime> apply(const std::vector<std::string>& state, Nanoseconds settle);
-  // Between shots. Failures are found by the next apply().
+  // Between shots. A kept lamp is as a whole sweep leaves it, also when this one ended in another
+  // light state: a lamp that a hold had left burning would be warmer at the next shot than the one
+  // the light gate knows, and be held for ever. Failures are found by the next apply().
   void rest();
   // At the end of a run: off, whatever `between` says.
   void allOff();
@@ -37,6 +41,7 @@ class Lamps {
   devices::Result<void> putOnce(Lamp& lamp, bool on);
 
   const devices::Clock& clock_;
+  const std::vector<std::string> sweep_ends_with_;
   std::vector<Lamp> lamps_;
 };
 

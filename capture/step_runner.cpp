@@ -8,6 +8,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr int kStubborn = 6;  // held steps in a row
+
 std::optional<RectPx> patchOf(const devices::RigSpec& spec, const std::string& camera) {
   for (const auto& patch : spec.patches)
     if (patch.camera == camera) return patch.rect_px;
@@ -29,7 +31,7 @@ StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive
       clock_(clock),
       run_id_(run_id),
       hooks_(hooks),
-      lamps_(rig, clock),
+      lamps_(rig, clock, plan.sweeps.back().lights.back()),
       gate_(plan.light_check, rig.spec.sensors, run_id),
       alerts_(
           plan.alerts.rules, [this](UtcTime, const std::string& detail) { event("alarm", detail); },
@@ -79,6 +81,7 @@ void StepRunner::verdicts(std::span<const db::LightCheckRow> rows) {
 void StepRunner::start(std::int64_t next_number) {
   sequence_ = firstSequence(next_number);
   for (const devices::Error& error : lamps_.start()) event("recover", error.what);
+  if (next_number > 0) lamps_.rest();  // a run that goes on: kept lamps as they were
   for (const auto& sensor : rig_.sensors)
     if (auto up = sensor->recover(); !up) event("recover", up.error().what);
 }
@@ -226,8 +229,11 @@ bool StepRunner::waitForLight() {
   const MonoTime until = std::min(now_.slot_end, *now_.held_since + plan_.light_check.max_hold);
   // The longer the light has been away, the fewer shutters are worn on asking.
   const int patience = std::min(held_steps_, 3);
-  const Nanoseconds poll =
-      std::clamp<Nanoseconds>(plan_.interval / 20, 50ms, 30s) * (1 << patience);
+  Nanoseconds poll = std::clamp<Nanoseconds>(plan_.interval / 20, 50ms, 30s) * (1 << patience);
+  // Every try warms the lamps. At last a step is tried once, when it is due (a long one once an
+  // hour): then they have the rhythm that the baseline was learned under, and no hold lasts because
+  // of what we do to end it.
+  if (held_steps_ >= kStubborn) poll = std::max(poll, std::min<Nanoseconds>(plan_.interval, 1h));
   const MonoTime due = clock_.mono() + poll;
   if (due >= until) return false;
   lamps_.rest();

@@ -2,7 +2,8 @@
 // One step: the whole sweep, with its light verdicts, retries and holds, within its slot.
 //
 // A light state that is bad does not stop the others: they are shot first, then the bad one is
-// tried again until the light is back or the slot ends.
+// tried again until the light is back or the slot ends; seldomer with every step in a row that is
+// held, in the end once a step. Between tries the lamps are as between steps.
 //
 // Cameras are called by their workers: the shutters of one group fire together, pictures are
 // collected and checked at the same time. Lamps, sensors, archive and all decisions belong to the

@@ -17,7 +17,7 @@
 
 namespace patina::devices {
 
-enum class Between { kOff, kOn, kKeep };  // what a lamp does between shots
+enum class Between { kOff, kOn, kKeep };  // what a lamp does between shots; keep: as a sweep ends
 
 struct CameraSpec {
   std::string id, backend, serial;

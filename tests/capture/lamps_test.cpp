@@ -31,7 +31,7 @@ struct Bench {
 
 TEST(Lamps, LightExactlyTheStateAndRestAsTheRigSays) {
   Bench b({{"fill", Between::kOn}, {"key", Between::kOff}, {"rim", Between::kKeep}});
-  Lamps lamps(b.rig, b.clock);
+  Lamps lamps(b.rig, b.clock, {"rim"});
   EXPECT_TRUE(lamps.start().empty());
   EXPECT_EQ(b.lights[0]->level, 1);
   EXPECT_EQ(b.lights[1]->level, 0);
@@ -47,9 +47,20 @@ TEST(Lamps, LightExactlyTheStateAndRestAsTheRigSays) {
   EXPECT_EQ(b.lights[0]->level + b.lights[2]->level, 0);
 }
 
+TEST(Lamps, RestAsAWholeSweepEndsWhateverStateWasLast) {
+  Bench b({{"key", Between::kKeep}, {"rim", Between::kKeep}});
+  Lamps lamps(b.rig, b.clock, {"rim"});
+  lamps.start();
+  EXPECT_EQ(b.lights[1]->level, 0);  // nobody has shot yet
+  ASSERT_TRUE(lamps.apply({"key"}, 0s));
+  lamps.rest();
+  EXPECT_EQ(b.lights[0]->level, 0);
+  EXPECT_EQ(b.lights[1]->level, 1);
+}
+
 TEST(Lamps, AreSettledAfterTheLastOneWentOn) {
   Bench b({{"fill", Between::kOn}, {"key", Between::kOff}});
-  Lamps lamps(b.rig, b.clock);
+  Lamps lamps(b.rig, b.clock, {"rim"});
   lamps.start();
   b.clock.advance(1h);
   EXPECT_EQ(*lamps.apply({"fill"}, 2s), b.clock.mono());
@@ -60,7 +71,7 @@ TEST(Lamps, AreSettledAfterTheLastOneWentOn) {
 
 TEST(Lamps, RecoverALampOnceBeforeTheyGiveUp) {
   Bench b({{"key", Between::kOff}});
-  Lamps lamps(b.rig, b.clock);
+  Lamps lamps(b.rig, b.clock, {"rim"});
   b.lights[0]->failures = 1;
   EXPECT_TRUE(lamps.apply({"key"}, 0s));
   EXPECT_EQ(b.lights[0]->recovered, 1);
@@ -70,7 +81,7 @@ TEST(Lamps, RecoverALampOnceBeforeTheyGiveUp) {
 
 TEST(Lamps, DoNotBelieveALampThatDoesNotConfirm) {
   Bench b({{"key", Between::kOff}}, true);
-  Lamps lamps(b.rig, b.clock);
+  Lamps lamps(b.rig, b.clock, {"rim"});
   b.lights[0]->stuck = true;
   const auto lit = lamps.apply({"key"}, 0s);
   ASSERT_FALSE(lit);

@@ -69,7 +69,23 @@ TEST(StepRunner, AsksSeldomerTheLongerALightStaysAway) {
   sim.run();
   const auto last = sim.reader().step(sim.run_id, 143);
   EXPECT_EQ(last->decision, db::Decision::kHeld);
-  EXPECT_LE(sim.reader().shotsOfStep(last->id).size(), 4u);
+  EXPECT_EQ(sim.reader().shotsOfStep(last->id).size(), 1u);  // as in a step that is not held
+  EXPECT_GT(sim.reader().shotsOfStep(sim.reader().step(sim.run_id, 6)->id).size(), 10u);
+}
+
+// Its last try leaves the lamp on; it must not be warmer at the next step than it was when the gate
+// learned it.
+TEST(StepRunner, GoesOnAfterAHoldOfALampThatIsKept) {
+  Simulation sim({.duration = "4h",
+                  .lights = R"([["key"], ["fill"]])",
+                  .between = "keep",
+                  .faults = "[[fault]]\nat = \"95min\"\ndevice = \"key\"\nkind = \"lamp_step\"\n"
+                            "amount = -0.05\nduration = \"40min\"\n"});
+  sim.run();
+  std::vector<std::string> expected(24, "captured");
+  for (std::size_t k : {10, 11, 12}) expected[k] = "held";
+  EXPECT_EQ(sim.decisions(), expected);
+  sim.expectWhole();
 }
 
 TEST(StepRunner, NeverHoldsInUncontrolledLight) {

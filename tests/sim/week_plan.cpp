@@ -75,9 +75,7 @@ void WeekDrawer::drawRig() {
     rig += "[[camera]]\nid = \"" + week_.cameras.back() +
            "\"\nbackend = \"twin\"\nsettings = { format = \"" + format + "\" }\n";
   }
-  // Not "keep": a held step leaves such a lamp burning, and a warm lamp is not the cold one that
-  // the gate has learned.
-  const std::vector<std::string> between = {"on", "off", "on"};
+  const std::vector<std::string> between = {"on", "off", "keep"};
   week_.lights = {"key", "fill"};
   for (const std::string& light : week_.lights)
     rig += "[[light]]\nid = \"" + light + "\"\nbackend = \"twin\"\nbetween = \"" +
