@@ -81,6 +81,27 @@ void requireRange(bool ok, const char* field, double value, const char* range) {
 
 double relative(double a, double b) { return a / b - 1.0; }
 
+// The newest samples that lie within the learning band of one another.
+std::size_t steadyAtTheEnd(const std::vector<double>& levels, double band) {
+  std::size_t steady = 0;
+  double low = 0, high = 0;
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level, ++steady) {
+    low = steady == 0 ? *level : std::min(low, *level);
+    high = steady == 0 ? *level : std::max(high, *level);
+    if (relative(high, low) > band) break;
+  }
+  return steady;
+}
+
+double stepOf(const std::vector<double>& levels, double band) {
+  const std::size_t n = levels.size();
+  if (n < 3) return 0;
+  const double change = relative(levels[n - 1], levels[n - 2]);
+  const double before = relative(levels[n - 2], levels[n - 3]);
+  const bool warming = change * before > 0 && std::abs(change) < std::abs(before);
+  return std::abs(change) > band && !warming ? change : 0;
+}
+
 // Learning: the newest samples must agree among themselves; then their mean is the baseline.
 LightJudgement learn(LightSeries& series, double level, const LightModelOptions& options) {
   LightJudgement j;
@@ -91,15 +112,14 @@ LightJudgement learn(LightSeries& series, double level, const LightModelOptions&
     return j;
   }
   series.learning.push_back(level);
-  const auto wanted = static_cast<std::size_t>(options.learn_samples);
-  if (series.learning.size() > wanted) series.learning.erase(series.learning.begin());
-  if (series.learning.size() < wanted) return j;
-  const auto [low, high] = std::minmax_element(series.learning.begin(), series.learning.end());
-  if (relative(*high, *low) > options.learn_band) return j;
-  double sum = 0;
-  for (const double v : series.learning) sum += v;
-  series.baseline = sum / static_cast<double>(wanted);
+  j.step_while_learning = stepOf(series.learning, options.step_band);
+  const auto remembered = std::max<std::size_t>(static_cast<std::size_t>(options.learn_samples), 2);
+  if (series.learning.size() > remembered) series.learning.erase(series.learning.begin());
+  const auto baseline = baselineOf(series.learning, options);
+  if (!baseline) return j;
+  series.baseline = *baseline;
   series.forecast = level;
+  series.agreed = options.learn_samples;
   series.learning.clear();
   return j;
 }
@@ -195,6 +215,8 @@ void LightModelOptions::check() const {
   requireRange(learn_samples >= 1 && learn_samples <= 1000, "learn_samples", learn_samples,
                "1 to 1000");
   requireRange(learn_band > 0 && learn_band < 1, "learn band", learn_band, "(0, 1)");
+  requireRange(firm_samples >= learn_samples, "firm_samples", firm_samples,
+               "learn_samples or more");
   requireRange(lamp_noise >= 0 && lamp_noise < 1, "lamp noise", lamp_noise, "[0, 1)");
   requireRange(unseen_drift_per_day >= 0, "unseen drift", unseen_drift_per_day, "0 or more");
 }
@@ -235,10 +257,28 @@ LightJudgement judgeLevel(LightSeries& series, double level, UtcTime utc,
   }
   series.forecast = estimate;
   series.last_utc = utc;
+  series.agreed = std::min(series.agreed + 1, options.firm_samples);
   j.gain = series.baseline / estimate;
   j.verdict =
       std::abs(drift) > options.correct_above ? LightVerdict::kCorrect : LightVerdict::kPass;
   return j;
+}
+
+bool isProvisional(const LightSeries& series, const LightModelOptions& options) {
+  return series.baseline > 0 && series.agreed < options.firm_samples;
+}
+
+std::optional<double> baselineOf(const std::vector<double>& levels,
+                                 const LightModelOptions& options) {
+  const auto wanted = static_cast<std::size_t>(options.learn_samples);
+  if (steadyAtTheEnd(levels, options.learn_band) < wanted) return std::nullopt;
+  double sum = 0;
+  for (std::size_t i = levels.size() - wanted; i < levels.size(); ++i) sum += levels[i];
+  return sum / static_cast<double>(wanted);
+}
+
+int steadySamples(const LightSeries& series, const LightModelOptions& options) {
+  return static_cast<int>(steadyAtTheEnd(series.learning, options.learn_band));
 }
 
 }  // namespace patina::calibration

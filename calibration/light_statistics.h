@@ -47,6 +47,7 @@ struct LightModelOptions {
   double correct_above = 0.001;  // |drift| above this is corrected by gain, else pass
   int learn_samples = 3;         // consecutive steady samples that make a baseline
   double learn_band = 0.01;      // steady: within this of one another
+  int firm_samples = 10;         // that agreed with a baseline: until then it is provisional
   double lamp_noise = 0.001;     // RMS from shot to shot: real light, so undone by the gain
   double dark_level = 0.004;     // below this there is no light to learn from: hold
   // Light nobody watched may have drifted: the band widens by this for every day since the last
@@ -62,16 +63,28 @@ struct LightSeries {
   double baseline = 0;           // 0: still learning
   double forecast = 0;           // level expected now (tracks drift)
   double drift_per_hour = 0;     // of the forecast, relative; for reports
+  int agreed = 0;                // samples that the baseline was made of or was right about
   std::optional<UtcTime> last_utc;
 };
 struct LightJudgement {
   LightVerdict verdict = LightVerdict::kLearn;
   double ratio = 1;  // level / baseline
   double gain = 1;   // baseline / (level, smoothed): undoes drift
+  // While there is no baseline: the change since the last sample, when it is a step, not the
+  // warming of a lamp, which changes less from sample to sample and always the same way (so the
+  // very first change is taken for that). 0: no step.
+  double step_while_learning = 0;
 };
 // Judges `level` and, unless the verdict is hold or worse, takes it into the series.
 // `level_noise` is its relative standard error: an innovation within it moves the gain little.
 LightJudgement judgeLevel(LightSeries& series, double level, UtcTime utc,
                           const LightModelOptions& options, double level_noise = 0);
+
+bool isProvisional(const LightSeries& series, const LightModelOptions& options);
+// A baseline of the newest learn_samples of `levels`; nothing while they are not steady.
+std::optional<double> baselineOf(const std::vector<double>& levels,
+                                 const LightModelOptions& options);
+// Of a series that learns: how many of its newest samples are steady, of learn_samples.
+int steadySamples(const LightSeries& series, const LightModelOptions& options);
 
 }  // namespace patina::calibration

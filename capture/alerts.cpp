@@ -34,9 +34,10 @@ std::string formatLasted(Nanoseconds lasted) {
 
 const char* name(AlertKind kind) {
   static constexpr std::array<const char*, kAlertKindCount> kNames = {
-      "no_frames",  "camera_down",    "light_held",    "light_drifting", "lamp_dead",
-      "clipping",   "sensor_band",    "sensor_silent", "disk_filling",   "disk_full",
-      "clock_step", "driver_restart", "scrub_error",   "archive_io",     "stalled"};
+      "no_frames",      "camera_down",   "light_held", "light_drifting",
+      "lamp_dead",      "light_changed", "clipping",   "sensor_band",
+      "sensor_silent",  "disk_filling",  "disk_full",  "clock_step",
+      "driver_restart", "scrub_error",   "archive_io", "stalled"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -64,6 +65,8 @@ std::string describe(AlertKind kind, const std::string& subject) {
       return "light " + subject + " drifting";
     case AlertKind::kLampDead:
       return "light " + subject + " dead";
+    case AlertKind::kLightChanged:
+      return "light " + subject + " changed while its baseline was learned";
     case AlertKind::kClipping:
       return "clipping " + subject;
     case AlertKind::kSensorBand:
@@ -102,6 +105,7 @@ AlertRules defaultAlertRules(Nanoseconds interval) {
   set(AlertKind::kLightHeld, {Severity::kCritical, 5min, two_steps, often});
   set(AlertKind::kLightDrifting, {Severity::kWarning, 30min, two_steps, daily});
   set(AlertKind::kLampDead, {Severity::kCritical, 1min, two_steps, often});
+  set(AlertKind::kLightChanged, {Severity::kWarning, 0s, 1h, {}});
   set(AlertKind::kClipping, {Severity::kWarning, 30min, two_steps, daily});
   set(AlertKind::kSensorBand, {Severity::kWarning, 10min, two_steps, daily});
   set(AlertKind::kSensorSilent, {Severity::kWarning, 10min, two_steps, daily});

@@ -27,6 +27,7 @@ enum class AlertKind {
   kLightHeld,      // shots are not taken: the light is not that of the run
   kLightDrifting,  // shots are taken, with a remark
   kLampDead,       // does not obey, or gives no light
+  kLightChanged,   // while its baseline was learned: earlier shots have other light
   kClipping,
   kSensorBand,  // temperature or humidity out of its band: shots are not taken
   kSensorSilent,
@@ -38,7 +39,7 @@ enum class AlertKind {
   kArchiveIo,   // the session ended
   kStalled      // the session itself has not moved
 };
-constexpr int kAlertKindCount = 15;
+constexpr int kAlertKindCount = 16;
 const char* name(AlertKind kind);                                  // "camera_down"
 std::string describe(AlertKind kind, const std::string& subject);  // "camera cam0 down"
 

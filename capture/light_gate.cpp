@@ -78,6 +78,8 @@ void LightGate::restore(std::span<const db::LightCheckRow> rows) {
       calibration::judgeLevel(w.series, r.level, r.utc, options_);
     } else if ((verdict == LightVerdict::kPass || verdict == LightVerdict::kCorrect) &&
                r.baseline > 0 && r.gain > 0) {
+      if (w.series.baseline != r.baseline) w.series.agreed = options_.learn_samples;
+      w.series.agreed = std::min(w.series.agreed + 1, options_.firm_samples);
       w.series.baseline = r.baseline;
       w.series.forecast = r.baseline / r.gain;
       w.series.last_utc = r.utc;
@@ -110,12 +112,17 @@ LightGate::Judged LightGate::judgeChannel(const LightSample& sample, const std::
   } else {
     j.watched = &series_[{sample.light_state, source, channel, sample.exposure_index}];
     j.after = *j.watched;
+    j.after.refused.clear();  // what is kept of it is that a shot was taken
     j.known = j.after.series.baseline > 0;
     if (j.known) j.deviation = level / j.after.series.forecast - 1;
     r.baseline = j.after.series.baseline;
     j.judgement = calibration::judgeLevel(j.after.series, level, sample.utc, options_, noise);
     r.ratio = r.baseline > 0 ? j.judgement.ratio : 0;
     r.gain = j.judgement.gain;
+    if (j.judgement.step_while_learning != 0 && out.changed.empty())
+      out.changed = "light " + sample.light_state + ": " + source + " " + channel + " " +
+                    percent(j.judgement.step_while_learning) +
+                    " from one shot to the next; the baseline is learned from here on";
   }
   r.verdict = calibration::name(j.judgement.verdict);
   out.rows.push_back(std::move(r));
@@ -251,12 +258,84 @@ void LightGate::compare(std::vector<Witness>& witnesses, const LightSample& samp
   }
 }
 
+// A plain step against a baseline that may itself be wrong, and no larger than a drift may be.
+bool LightGate::contradicts(const Witness& w, const GateVerdict& out) const {
+  if (std::abs(w.deviation) <= check_.band || std::abs(w.deviation) > options_.drift_band)
+    return false;
+  for (std::size_t c = 0; c < w.channels.size(); ++c) {
+    const Judged& j = w.channels[c];
+    if (!j.watched || !calibration::isProvisional(j.watched->series, options_)) return false;
+    const LightVerdict verdict = parseVerdict(out.rows[w.first_row + c].verdict);
+    if (verdict == LightVerdict::kCovered || verdict == LightVerdict::kAtOdds) return false;
+  }
+  return true;
+}
+
+// Remembers what is refused; never the shots that something else is wrong with.
+void LightGate::doubt(std::vector<Witness>& witnesses, const GateVerdict& out) const {
+  const bool doubtful =
+      std::any_of(witnesses.begin(), witnesses.end(), [](const Witness& w) { return w.bad; }) &&
+      std::all_of(witnesses.begin(), witnesses.end(),
+                  [&](const Witness& w) { return !w.bad || contradicts(w, out); });
+  for (Witness& w : witnesses)
+    for (std::size_t c = 0; c < w.channels.size(); ++c) {
+      if (!w.channels[c].watched) continue;
+      std::vector<double>& refused = w.channels[c].watched->refused;
+      if (!doubtful) {
+        refused.clear();
+        continue;
+      }
+      refused.push_back(out.rows[w.first_row + c].level);
+      if (refused.size() > static_cast<std::size_t>(options_.firm_samples))
+        refused.erase(refused.begin());
+    }
+}
+
+// When every channel has been refused often enough and is steady by now.
+void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sample,
+                          GateVerdict& out) const {
+  std::string changed;
+  for (const Witness& w : witnesses)
+    for (std::size_t c = 0; c < w.channels.size(); ++c) {
+      const Watched* watched = w.channels[c].watched;
+      if (!watched) continue;
+      if (watched->refused.size() < static_cast<std::size_t>(options_.firm_samples) ||
+          !calibration::baselineOf(watched->refused, options_))
+        return;
+      if (w.bad && changed.empty())
+        changed = "light " + sample.light_state + ": " + w.source + " " + percent(w.deviation) +
+                  " against what was learned, and it stays so; the baseline is learned anew";
+    }
+  if (changed.empty()) return;
+  for (Witness& w : witnesses) {
+    w.bad = false;
+    for (std::size_t c = 0; c < w.channels.size(); ++c) {
+      Judged& j = w.channels[c];
+      if (!j.watched) continue;
+      db::LightCheckRow& r = out.rows[w.first_row + c];
+      j.after.series = {};
+      j.after.series.baseline = *calibration::baselineOf(j.watched->refused, options_);
+      j.after.series.forecast = r.level;
+      j.after.series.agreed = options_.learn_samples;
+      j.after.series.last_utc = sample.utc;
+      j.after.refused.clear();
+      r.verdict = calibration::name(LightVerdict::kLearn);
+      r.baseline = r.ratio = 0;
+      r.gain = 1;
+    }
+  }
+  out.blocks = false;
+  out.reason.clear();
+  out.changed = changed;
+}
+
 GateVerdict LightGate::judge(const LightSample& sample) {
   GateVerdict out;
   std::vector<Witness> witnesses;
   for (const SensorSample& s : sample.sensors)
     if (s.quantity != devices::Quantity::kIlluminance) judgeBand(sample, s, out);
   if (sample.light_state == "off") return out;
+  const bool surroundings_block = out.blocks;
   for (const PatchSample& p : sample.patches) witnesses.push_back(judgePatch(sample, p, out));
   for (const SensorSample& s : sample.sensors)
     if (s.quantity == devices::Quantity::kIlluminance)
@@ -272,7 +351,12 @@ GateVerdict LightGate::judge(const LightSample& sample) {
                   (w.channels[c].known ? percent(w.channels[c].deviation) : std::string("dark")));
       out.blocks = out.blocks || w.bad;
     }
-  if (out.blocks) holdAll(out);
+  doubt(witnesses, out);
+  if (out.blocks && !surroundings_block) learnAnew(witnesses, sample, out);
+  if (out.blocks) {
+    holdAll(out);
+    out.changed.clear();  // nothing was learned; the next try says it
+  }
   for (Witness& w : witnesses)
     for (Judged& j : w.channels)
       if (!out.blocks && j.watched) *j.watched = std::move(j.after);

@@ -4,6 +4,13 @@
 // The level is judged at every shot, never an edge, so nothing is missed between looks. A shot that
 // blocks changes no series. Two witnesses (patch and lux sensor) that disagree are at odds, and the
 // one that moved is named.
+//
+// What the first shots see is taken for the light of the run, so a lamp that changes among them is
+// told of whatever it does. Before there is a baseline (three steady levels) a step is named and
+// the shot is taken: nobody knows which level is the right one. After it, until ten levels have
+// agreed, the baseline is provisional: a step is held as always, but when it lasts for ten tries
+// and is no larger than a drift may be, the baseline is learned anew and the run goes on, since a
+// fault that ended there would hold it for ever. Both come out as `changed`.
 #pragma once
 
 #include <array>
@@ -45,6 +52,7 @@ struct GateVerdict {
   bool blocks = false;  // the shot is not taken; wait and try again
   calibration::LightVerdict worst = calibration::LightVerdict::kPass;
   std::string reason;   // "light key: patch:cam0 g -5.1 %"; empty when nothing is wrong
+  std::string changed;  // the light, while its baseline was learned: "light key: ..."; else empty
   std::string summary;  // "key 0.998 pass"
   std::vector<db::LightCheckRow> rows;
 };
@@ -68,7 +76,8 @@ class LightGate {
   };
   struct Watched {
     calibration::LightSeries series;
-    double spread = -1;  // of the patch while all was well; below 0: not known yet
+    double spread = -1;           // of the patch while all was well; below 0: not known yet
+    std::vector<double> refused;  // in a row, against a provisional baseline
   };
   struct Judged {  // one channel, before it is known whether the shot blocks
     Watched* watched = nullptr;
@@ -91,6 +100,10 @@ class LightGate {
   Judged judgeChannel(const LightSample& sample, const std::string& source,
                       const std::string& channel, double level, double noise, GateVerdict& out);
   void compare(std::vector<Witness>& witnesses, const LightSample& sample, GateVerdict& out) const;
+  bool contradicts(const Witness& witness, const GateVerdict& out) const;
+  void doubt(std::vector<Witness>& witnesses, const GateVerdict& out) const;
+  void learnAnew(std::vector<Witness>& witnesses, const LightSample& sample,
+                 GateVerdict& out) const;
   db::LightCheckRow row(const LightSample& sample, const std::string& source,
                         const std::string& channel, double level) const;
   std::optional<std::array<double, 2>> bandOf(const std::string& sensor) const;

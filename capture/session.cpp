@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kWholeStepsToLearnFrom = 6;
+constexpr int kWholeStepsToLearnFrom = 10;  // as many as make a baseline firm
 constexpr std::size_t kRowsACommit = 10'000;
 constexpr Nanoseconds kAwakeEvery = 15s, kAskEvery = 250ms;
 constexpr Nanoseconds kWarnOfFullDisk = 24h;

@@ -271,6 +271,9 @@ void StepRunner::watchLight(const std::string& state, const GateVerdict& verdict
        {AlertKind::kLampDead, AlertKind::kLightHeld, AlertKind::kLightDrifting})
     if (kind != is) alerts_.clear(kind, state, moment());
   if (is) alerts_.raise(*is, state, verdict.reason, moment());
+  if (verdict.changed.empty()) return;
+  event("light", verdict.changed);
+  alerts_.occurred(AlertKind::kLightChanged, state, verdict.changed, moment());
 }
 
 bool StepRunner::shoot(Group& group) {

@@ -149,6 +149,43 @@ TEST(JudgeLevel, FailsWhenTheDriftLeavesTheTotalBand) {
   EXPECT_NEAR(s.forecast / 0.4, 0.85, 0.002);
 }
 
+TEST(JudgeLevel, NamesAStepAmongTheSamplesItLearnsFromButNotALampThatWarms) {
+  const std::vector<double> warming = {0.388, 0.3984, 0.3998}, up = {0.4, 0.4, 0.42},
+                            back = {0.388, 0.399, 0.38}, late = {0.39, 0.392, 0.412};
+  const auto told = [](const std::vector<double>& levels) {
+    LightSeries s;
+    double step = 0;
+    for (std::size_t i = 0; i < levels.size(); ++i)
+      step = judgeLevel(s, levels[i], kStart + static_cast<int>(i) * 10min, {}).step_while_learning;
+    return step;
+  };
+  EXPECT_EQ(told(warming), 0);
+  EXPECT_NEAR(told(up), 0.05, 1e-9);
+  EXPECT_LT(told(back), -0.04);
+  EXPECT_GT(told(late), 0.05);
+}
+
+TEST(JudgeLevel, TrustsABaselineOnceTenLevelsHaveAgreed) {
+  LightSeries s = learned(0.4);
+  for (int agreed = 3; agreed < 10; ++agreed) {
+    EXPECT_TRUE(isProvisional(s, {})) << agreed;
+    EXPECT_EQ(judgeLevel(s, 0.42, kStart + 10min, {}).verdict, LightVerdict::kHold);
+    judgeLevel(s, 0.4, kStart + 10min, {});
+  }
+  EXPECT_FALSE(isProvisional(s, {}));
+  EXPECT_FALSE(isProvisional(LightSeries{}, {}));
+}
+
+TEST(JudgeLevel, CountsTheSteadySamplesAtTheEnd) {
+  LightSeries s;
+  EXPECT_EQ(steadySamples(s, {}), 0);
+  judgeLevel(s, 0.4, kStart, {});
+  judgeLevel(s, 0.401, kStart, {});
+  EXPECT_EQ(steadySamples(s, {}), 2);
+  judgeLevel(s, 0.42, kStart, {});
+  EXPECT_EQ(steadySamples(s, {}), 1);
+}
+
 TEST(JudgeLevel, LearnsNothingFromDarkness) {
   LightSeries s;
   for (int i = 0; i < 5; ++i)

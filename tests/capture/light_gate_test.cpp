@@ -230,6 +230,73 @@ TEST(LightGate, HoldsOutsideTheBandOfAnySensorEvenWithoutLight) {
   EXPECT_FALSE(room.gate.judge(s).blocks);
 }
 
+TEST(LightGate, NamesAStepWhileItLearnsAndTakesTheShot) {
+  Room room;
+  for (int shot = 0; shot < 2; ++shot) EXPECT_TRUE(room.shoot().changed.empty());
+  room.patch = room.lux = 0.95;
+  const GateVerdict v = room.shoot();
+  EXPECT_FALSE(v.blocks);
+  EXPECT_THAT(v.changed, HasSubstr("light key: patch:cam0 r -5.0 % from one shot to the next"));
+  for (int shot = 0; shot < 3; ++shot) EXPECT_TRUE(room.shoot().changed.empty());
+  EXPECT_NEAR(room.shoot().rows[1].baseline, 0.95 * 0.40, 1e-9);
+}
+
+TEST(LightGate, LearnsAProvisionalBaselineAnewWhenAStepLasts) {
+  Room room;
+  room.learn();
+  room.patch = room.lux = 1.05;
+  for (int shot = 0; shot < 9; ++shot) {
+    const GateVerdict v = room.shoot();
+    EXPECT_TRUE(v.blocks);
+    EXPECT_TRUE(v.changed.empty());
+  }
+  const GateVerdict v = room.shoot();
+  EXPECT_FALSE(v.blocks);
+  EXPECT_THAT(v.changed, HasSubstr("light key: patch:cam0 +5.0 % against what was learned"));
+  for (const auto& row : v.rows) {
+    EXPECT_EQ(row.verdict, "learn");
+    EXPECT_EQ(row.baseline, 0);
+  }
+  EXPECT_EQ(verdictOf(room.shoot(), "patch:cam0"), "pass");
+  room.patch = room.lux = 1;
+  EXPECT_TRUE(room.shoot().blocks);
+}
+
+TEST(LightGate, ForgetsAStepThatGoesAwayAgain) {
+  Room room;
+  room.learn();
+  for (int turn = 0; turn < 5; ++turn) {
+    room.patch = room.lux = 1.05;
+    for (int shot = 0; shot < 9; ++shot) EXPECT_TRUE(room.shoot().blocks);
+    room.patch = room.lux = 1;
+    EXPECT_FALSE(room.shoot().blocks);
+  }
+}
+
+TEST(LightGate, HoldsAStepForEverOnceItsBaselineIsFirmOrTheStepIsTooLarge) {
+  Room firm, dimmed, restarted;
+  std::vector<db::LightCheckRow> rows;
+  for (int shot = 0; shot < 10; ++shot)
+    for (const auto& row : firm.shoot().rows) rows.push_back(row);
+  firm.patch = firm.lux = 1.05;
+  restarted.gate.restore(std::span(rows).subspan(4 * 4));  // what a restart looks back to
+  restarted.patch = restarted.lux = 1.05;
+  dimmed.learn();
+  dimmed.patch = dimmed.lux = 0.8;
+  for (int shot = 0; shot < 30; ++shot) {
+    EXPECT_TRUE(firm.shoot().blocks);
+    EXPECT_TRUE(restarted.shoot().blocks || shot > 8) << shot;
+    EXPECT_TRUE(dimmed.shoot().blocks);
+  }
+}
+
+TEST(LightGate, LearnsNothingAnewFromAPatchThatIsAtOddsWithTheSensor) {
+  Room room;
+  room.learn();
+  room.patch = 0.93;
+  for (int shot = 0; shot < 30; ++shot) EXPECT_TRUE(room.shoot().blocks);
+}
+
 TEST(LightGate, GoesOnFromItsRowsAsIfItHadNeverStopped) {
   Room room;
   std::vector<db::LightCheckRow> rows;

@@ -88,6 +88,30 @@ TEST(StepRunner, GoesOnAfterAHoldOfALampThatIsKept) {
   sim.expectWhole();
 }
 
+// Steps of 5 % among the first ten checks, whatever the gate has learned by then.
+TEST(StepRunner, TellsOfALampThatChangesWhileTheGateLearnsIt) {
+  for (const int check : {3, 4, 5, 6, 7, 8, 9})
+    for (const double amount : {-0.05, 0.05}) {
+      Simulation sim({.duration = "3h",
+                      .faults = "[[fault]]\nat = \"" + std::to_string(10 * check - 15) +
+                                "min\"\ndevice = \"key\"\nkind = \"lamp_step\"\namount = " +
+                                std::to_string(amount) + "\n"});
+      int alerts = 0;
+      sim.run([&](capture::SessionHooks& hooks) {
+        hooks.on_alert = [&](const capture::AlertNews& news) {
+          alerts += news.kind == capture::AlertKind::kLightChanged &&
+                    news.event == capture::AlertEvent::kBegins && news.subject == "key";
+        };
+      });
+      EXPECT_EQ(alerts, 1) << check << " " << amount;
+      ASSERT_EQ(sim.events("light").size(), 1u) << check << " " << amount;
+      EXPECT_THAT(sim.events("light")[0].detail, HasSubstr("light key: patch:cam0"));
+      // The run goes on at the new level.
+      EXPECT_EQ(sim.decisions(), std::vector<std::string>(18, "captured")) << check;
+      sim.expectWhole();
+    }
+}
+
 TEST(StepRunner, NeverHoldsInUncontrolledLight) {
   Simulation sim({.light_check = "mode = \"uncontrolled\"",
                   .faults = "[[fault]]\nat = \"55min\"\ndevice = \"key\"\nkind = \"lamp_dead\"\n"});
