@@ -193,7 +193,10 @@ void WeekDrawer::drawFaults() {
     week_.faults_toml.append("\"\nkind = \"").append(kind).append("\"\n");
     if (kind == "lamp_step")
       week_.faults_toml += draw_.chance(50) ? "amount = 0.05\n" : "amount = -0.2\n";
-    if (kind == "lamp_drift") week_.faults_toml += "amount = -0.3\n";
+    // What drifted stays so when the drift ends: little enough to be taken in when it is seen
+    // again.
+    if (kind == "lamp_drift")
+      week_.faults_toml += "amount = " + std::to_string(-0.005 * 86'400 / toSeconds(length)) + "\n";
     if (lasts) week_.faults_toml += "duration = \"" + formatDuration(length) + "\"\n";
     heal(at + length + week_.interval);
     if (!lasts && !lamp && !sensor && !week_.windows.empty()) ++week_.waiting;
