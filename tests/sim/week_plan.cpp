@@ -196,7 +196,8 @@ void WeekDrawer::drawFaults() {
     // What drifted stays so when the drift ends: little enough to be taken in when it is seen
     // again.
     if (kind == "lamp_drift")
-      week_.faults_toml += "amount = " + std::to_string(-0.005 * 86'400 / toSeconds(length)) + "\n";
+      week_.faults_toml +=
+          "amount = " + std::to_string(std::max(-1.0, -0.005 * 86'400 / toSeconds(length))) + "\n";
     if (lasts) week_.faults_toml += "duration = \"" + formatDuration(length) + "\"\n";
     heal(at + length + week_.interval);
     if (!lasts && !lamp && !sensor && !week_.windows.empty()) ++week_.waiting;
