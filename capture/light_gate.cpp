@@ -329,6 +329,23 @@ void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sa
   out.changed = changed;
 }
 
+// "0.998 pass"; without a baseline there is no ratio: "learning 2 of 3", "measure".
+std::string LightGate::summaryOf(const Judged& judged, const db::LightCheckRow& row,
+                                 const GateVerdict& out) const {
+  const std::string verdict = out.reason.empty() ? row.verdict : calibration::name(out.worst);
+  if (row.baseline > 0) {
+    char ratio[32];
+    std::snprintf(ratio, sizeof ratio, "%.3f ", row.ratio);
+    return ratio + verdict;
+  }
+  if (verdict != calibration::name(LightVerdict::kLearn)) return verdict;
+  // A baseline that was just made has its samples behind it.
+  const calibration::LightSeries& series = judged.after.series;
+  const int samples =
+      series.baseline > 0 ? options_.learn_samples : calibration::steadySamples(series, options_);
+  return "learning " + std::to_string(samples) + " of " + std::to_string(options_.learn_samples);
+}
+
 GateVerdict LightGate::judge(const LightSample& sample) {
   GateVerdict out;
   std::vector<Witness> witnesses;
@@ -357,19 +374,15 @@ GateVerdict LightGate::judge(const LightSample& sample) {
     holdAll(out);
     out.changed.clear();  // nothing was learned; the next try says it
   }
+  if (!witnesses.empty() && !out.rows.empty()) {
+    const std::size_t shown = witnesses[0].channels.size() > 1 ? 1 : 0;  // green
+    const db::LightCheckRow& r = out.rows[witnesses[0].first_row + shown];
+    out.summary = sample.light_state + " " + summaryOf(witnesses[0].channels[shown], r, out);
+    if (out.reason.empty()) out.worst = parseVerdict(r.verdict);
+  }
   for (Witness& w : witnesses)
     for (Judged& j : w.channels)
       if (!out.blocks && j.watched) *j.watched = std::move(j.after);
-
-  if (!witnesses.empty() && !out.rows.empty()) {
-    const db::LightCheckRow& r =
-        out.rows[witnesses[0].first_row + (witnesses[0].channels.size() > 1 ? 1 : 0)];
-    char text[96];
-    std::snprintf(text, sizeof text, "%s %.3f %s", sample.light_state.c_str(), r.ratio,
-                  out.reason.empty() ? r.verdict.c_str() : calibration::name(out.worst));
-    out.summary = text;
-    if (out.reason.empty()) out.worst = parseVerdict(r.verdict);
-  }
   return out;
 }
 

@@ -53,7 +53,7 @@ struct GateVerdict {
   calibration::LightVerdict worst = calibration::LightVerdict::kPass;
   std::string reason;   // "light key: patch:cam0 g -5.1 %"; empty when nothing is wrong
   std::string changed;  // the light, while its baseline was learned: "light key: ..."; else empty
-  std::string summary;  // "key 0.998 pass"
+  std::string summary;  // "key 0.998 pass", "key learning 2 of 3"
   std::vector<db::LightCheckRow> rows;
 };
 
@@ -104,6 +104,8 @@ class LightGate {
   void doubt(std::vector<Witness>& witnesses, const GateVerdict& out) const;
   void learnAnew(std::vector<Witness>& witnesses, const LightSample& sample,
                  GateVerdict& out) const;
+  std::string summaryOf(const Judged& judged, const db::LightCheckRow& row,
+                        const GateVerdict& out) const;
   db::LightCheckRow row(const LightSample& sample, const std::string& source,
                         const std::string& channel, double level) const;
   std::optional<std::array<double, 2>> bandOf(const std::string& sensor) const;

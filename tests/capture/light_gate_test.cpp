@@ -71,6 +71,24 @@ TEST(LightGate, WritesOneRowAChannelAndSource) {
   EXPECT_TRUE(v.reason.empty());
 }
 
+TEST(LightGate, SaysHowFarItHasLearnedAndNoRatioBeforeThereIsOne) {
+  Room room;
+  EXPECT_EQ(room.shoot().summary, "key learning 1 of 3");
+  EXPECT_EQ(room.shoot().summary, "key learning 2 of 3");
+  room.patch = room.lux = 1.05;  // begins anew
+  EXPECT_EQ(room.shoot().summary, "key learning 1 of 3");
+  EXPECT_EQ(room.shoot().summary, "key learning 2 of 3");
+  EXPECT_EQ(room.shoot().summary, "key learning 3 of 3");
+  EXPECT_EQ(room.shoot().summary, "key 1.000 pass");
+  room.state = "fill";
+  room.patch = 0;
+  EXPECT_EQ(room.shoot().summary, "fill hold");
+  LightCheck check;
+  check.mode = LightMode::kUncontrolled;
+  Room open(check);
+  EXPECT_EQ(open.shoot().summary, "key measure");
+}
+
 TEST(LightGate, HoldsWhenPatchAndSensorSeeTheStepAndGoesOnWhenItIsOver) {
   Room room;
   room.learn();
