@@ -69,11 +69,15 @@ void countTimes(const Plan& plan, const devices::RigSpec& rig, const ForecastInp
   const double run_hours = toSeconds(out.end - out.begin) / 3600;
   for (const auto& light : rig.lights) {
     const double lit = toSeconds(on_a_step[light.id]) * static_cast<double>(out.steps) / 3600;
-    // A lamp that stays on in between is off only while states without it are shot.
+    // A lamp that stays on in between is off only while states without it are shot. One that is
+    // kept rests as a sweep ends.
+    const auto& last = plan.sweeps.back().lights.back();
+    const bool stays_on = light.between == devices::Between::kOn ||
+                          (light.between == devices::Between::kKeep &&
+                           std::find(last.begin(), last.end(), light.id) != last.end());
     const double dark =
         toSeconds(out.sweep - on_a_step[light.id]) * static_cast<double>(out.steps) / 3600;
-    out.lamp_hours[light.id] =
-        light.between == devices::Between::kOn ? std::max(lit, run_hours - dark) : lit;
+    out.lamp_hours[light.id] = stays_on ? std::max(lit, run_hours - dark) : lit;
   }
 }
 

@@ -51,6 +51,14 @@ struct Case {
   Forecast run() const { return forecast(plan, rig, inputs); }
 };
 
+TEST(Forecast, CountsTheHoursOfAKeptLampThatEndsTheSweepAsOnBetween) {
+  Case c;
+  c.rig.lights[1].between = devices::Between::kKeep;
+  EXPECT_NEAR(c.run().lamp_hours.at("fill"), 1008 * 4.12 / 3600, 1e-6);  // with its shots alone
+  c.plan.sweeps[0].lights = {{"key"}, {}, {"key", "fill"}};
+  EXPECT_NEAR(c.run().lamp_hours.at("fill"), 168 - 1008 * (4.12 + 2.12) / 3600, 1e-6);
+}
+
 TEST(Forecast, CountsStepsShotsBytesLampHoursAndActuations) {
   const Forecast f = Case().run();
   EXPECT_EQ(f.steps, 1008);
