@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "capture/session.h"
-
 #include <algorithm>
 
 #include "capture/forecast.h"
-#include "capture/scheduler.h"
-#include "capture/step_runner.h"
+#include "capture/running_session.h"
 #include "capture/windows.h"
 
 namespace patina::capture {
@@ -15,102 +12,61 @@ using namespace std::chrono_literals;
 
 constexpr int kWholeStepsToLearnFrom = 10;  // as many as make a baseline firm
 constexpr std::size_t kRowsACommit = 10'000;
-constexpr Nanoseconds kAwakeEvery = 15s, kAskEvery = 250ms;
 constexpr Nanoseconds kWarnOfFullDisk = 24h;
 constexpr const char* kPaused = "paused";  // the reason of what falls due in a pause
 
 Now nowOf(const devices::Clock& clock) { return {clock.utc(), clock.mono(), clock.bootId()}; }
 
-class Session {
- public:
-  Session(const Plan& plan, devices::Rig& rig, db::Archive& archive, devices::Clock& clock,
-          const RunStart& start, const SessionHooks& hooks)
-      : plan_(plan),
-        archive_(archive),
-        clock_(clock),
-        run_id_(start.run_id),
-        hooks_(hooks),
-        runner_(plan, rig, archive, clock, start.run_id, hooks) {
-    status_.run_id = run_id_;
-    status_.steps = stepCount(plan, start.t0_utc);
-    end_utc_ = start.t0_utc + plan.duration;
-  }
+}  // namespace
 
-  SessionSummary run() {
-    takeUp();
-    runner_.start(state_.next_number);
-    if (hooks_.paused)
-      archive_.changeRunState(run_id_, {"stopped"}, "running");
-    else
-      archive_.setRunState(run_id_, "running");
-    tell("");
-    std::string end = "finished";
-    while (true) {
-      if (hooks_.on_alive) hooks_.on_alive();
-      if (hooks_.stop.stop_requested()) {
-        end = hooks_.abort.stop_requested() ? "aborted" : "stopped";
-        break;
-      }
-      watchPause();
-      watchClock();
-      const Decision d = next(plan_, state_, nowOf(clock_));
-      if (d.act == Act::kFinish) break;
-      act(d);
+Session::Session(const Plan& plan, devices::Rig& rig, db::Archive& archive, devices::Clock& clock,
+                 const RunStart& start, const SessionHooks& hooks)
+    : plan_(plan),
+      archive_(archive),
+      clock_(clock),
+      run_id_(start.run_id),
+      hooks_(hooks),
+      runner_(plan, rig, archive, clock, start.run_id, hooks) {
+  status_.run_id = run_id_;
+  status_.steps = stepCount(plan, start.t0_utc);
+  end_utc_ = start.t0_utc + plan.duration;
+}
+
+SessionSummary Session::run() {
+  takeUp();
+  runner_.start(state_.next_number);
+  if (hooks_.paused)
+    archive_.changeRunState(run_id_, {"stopped"}, "running");
+  else
+    archive_.setRunState(run_id_, "running");
+  tell("");
+  std::string end = "finished";
+  while (true) {
+    if (hooks_.on_alive) hooks_.on_alive();
+    if (hooks_.stop.stop_requested()) {
+      end = hooks_.abort.stop_requested() ? "aborted" : "stopped";
+      break;
     }
-    runner_.end();
-    // Only a disk that does not even take the rows keeps a run from its end.
-    if (retryRows()) {
-      if (end == "finished" || !hooks_.keep_state) archive_.setRunState(run_id_, end);
-    } else if (end == "finished") {
-      end = "disk";
-    }
-    SessionSummary summary;
-    tell(end);
-    summary.last = status_;
-    summary.end = end;
-    summary.event_log_sha256 = runner_.log().finish();
-    return summary;
+    watchPause();
+    watchClock();
+    const Decision d = next(plan_, state_, nowOf(clock_));
+    if (d.act == Act::kFinish) break;
+    act(d);
   }
-
- private:
-  void takeUp();
-  void finishInterrupted(db::StepRow step);
-  void takeUpRows();
-  void watchClock();
-  void watchPause();
-  void act(const Decision& d);
-  void wait(const Decision& d);
-  void shoot(const Decision& d);
-  void shootRow(db::StepRow& row, MonoTime slot_end);
-  void shootByHand(const Decision& waiting_for);
-  void decideWithout(const Decision& d, db::Decision decision, const std::string& reason);
-  bool diskHasRoom();
-  void forecastDisk();
-  void watchDisk();
-  Moment moment() const { return {clock_.utc(), clock_.mono()}; }
-  void diskIsFull(const std::string& why);
-  bool retryRows();
-  void record(const db::StepRow& row) {
-    runner_.log().step(row);
-    count(row);
-    if (hooks_.on_step) hooks_.on_step(row);
+  runner_.end();
+  // Only a disk that does not even take the rows keeps a run from its end.
+  if (retryRows()) {
+    if (end == "finished" || !hooks_.keep_state) archive_.setRunState(run_id_, end);
+  } else if (end == "finished") {
+    end = "disk";
   }
-  void count(const db::StepRow& row);
-  void tell(const std::string& note);
-  void tryEvent(const std::string& kind, const std::string& detail);
-
-  const Plan& plan_;
-  db::Archive& archive_;
-  devices::Clock& clock_;
-  std::string run_id_;
-  const SessionHooks& hooks_;
-  StepRunner runner_;
-  ScheduleState state_;
-  SessionStatus status_;
-  bool disk_full_ = false;
-  UtcTime end_utc_;
-  std::vector<db::StepRow> unwritten_;  // rows that the full disk did not take
-};
+  SessionSummary summary;
+  tell(end);
+  summary.last = status_;
+  summary.end = end;
+  summary.event_log_sha256 = runner_.log().finish();
+  return summary;
+}
 
 void Session::takeUp() {
   const auto left = archive_.runState(run_id_);
@@ -157,7 +113,7 @@ void Session::finishInterrupted(db::StepRow step) {
 void Session::takeUpRows() {
   const auto& reader = archive_.reader();
   const auto steps = reader.steps(run_id_);
-  for (const db::StepRow& row : steps) count(row);
+  for (const db::StepRow& row : steps) countStep(row, status_);
   std::vector<db::LightCheckRow> checks;
   int whole = 0;
   for (auto row = steps.rbegin(); row != steps.rend() && whole < kWholeStepsToLearnFrom; ++row) {
@@ -171,29 +127,35 @@ void Session::takeUpRows() {
   runner_.gate().restore(checks);
 }
 
-void Session::count(const db::StepRow& row) {
+void Session::record(const db::StepRow& row) {
+  runner_.log().step(row);
+  countStep(row, status_);
+  if (hooks_.on_step) hooks_.on_step(row);
+}
+
+void countStep(const db::StepRow& row, SessionStatus& status) {
   if (!row.number) return;
-  ++status_.step;
+  ++status.step;
   switch (row.decision) {
     case db::Decision::kCaptured:
-      ++status_.captured;
+      ++status.captured;
       break;
     case db::Decision::kSkipped:
-      ++status_.skipped;
+      ++status.skipped;
       break;
     case db::Decision::kMissed:
-      ++status_.missed;
+      ++status.missed;
       break;
     case db::Decision::kFailed:
-      ++status_.failed;
+      ++status.failed;
       break;
     case db::Decision::kHeld:
-      ++status_.held;
+      ++status.held;
       break;
     case db::Decision::kPending:
       break;
   }
-  if (row.shots_captured > 0 && row.shots_captured < row.shots_due) ++status_.partial;
+  if (row.shots_captured > 0 && row.shots_captured < row.shots_due) ++status.partial;
 }
 
 void Session::tell(const std::string& note) {
@@ -218,15 +180,6 @@ void Session::watchClock() {
   }
 }
 
-// Said once when it takes effect and once when it is over, also when a restart lies between.
-void Session::watchPause() {
-  const bool paused = hooks_.paused && hooks_.paused->load();
-  if (paused == status_.paused) return;
-  status_.paused = paused;
-  tryEvent(paused ? "paused" : "continued", "at step " + std::to_string(state_.next_number));
-  tell(paused ? "paused" : "");
-}
-
 void Session::act(const Decision& d) {
   if (status_.paused && (d.act == Act::kShoot || d.act == Act::kSkip)) {
     Decision due = d;
@@ -245,21 +198,6 @@ void Session::act(const Decision& d) {
     case Act::kFinish:
       return;
   }
-}
-
-// In pieces: a manual shot may be asked for, cameras fall asleep, the wall clock may step.
-void Session::wait(const Decision& d) {
-  const MonoTime until = std::min(d.due_mono, clock_.mono() + kAwakeEvery);
-  const Nanoseconds piece = hooks_.shoot_now ? kAskEvery : kAwakeEvery;
-  while (clock_.mono() < until && !hooks_.stop.stop_requested()) {
-    watchPause();
-    if (hooks_.shoot_now && hooks_.shoot_now->exchange(false)) return shootByHand(d);
-    state_.awake_mono = clock_.mono();
-    runner_.alerts().look(moment());
-    if (hooks_.on_alive) hooks_.on_alive();
-    clock_.sleepUntil(std::min(until, clock_.mono() + piece), hooks_.stop);
-  }
-  if (until < d.due_mono) runner_.keepAwake();
 }
 
 bool Session::diskHasRoom() {
@@ -396,18 +334,6 @@ void Session::shoot(const Decision& d) {
   state_.awake_mono = clock_.mono();
   tell(row.reason);
 }
-
-void Session::shootByHand(const Decision& waiting_for) {
-  db::StepRow row;
-  row.run_id = run_id_;
-  row.due_utc = clock_.utc();
-  row.shots_due = runner_.shotsDue();
-  if (!diskHasRoom()) return tell("no manual shot: the disk is full");
-  shootRow(row, std::max(waiting_for.due_mono, clock_.mono() + plan_.interval));
-  tell("manual shot");
-}
-
-}  // namespace
 
 SessionSummary runSession(const Plan& plan, devices::Rig& rig, db::Archive& archive,
                           devices::Clock& clock, const RunStart& start, const SessionHooks& hooks) {

@@ -31,7 +31,7 @@ struct SessionStatus {
   std::int64_t step = 0, steps = 0;
   UtcTime now_utc, next_due_utc;
   std::int64_t captured = 0, skipped = 0, missed = 0, failed = 0, held = 0, partial = 0;
-  std::string light;  // "key 0.998 pass"
+  std::string light;  // "key 0.998 pass", "key learning 2 of 3"
   std::uint64_t disk_free_bytes = 0;
   std::optional<UtcTime> disk_full_utc;  // when captures will stop; nothing: the run fits
   std::string note;                      // what it is doing or waiting for
@@ -39,6 +39,8 @@ struct SessionStatus {
   Nanoseconds late{};  // of the last step that was shot: from due to begun
   std::vector<CameraStatus> cameras;
 };
+
+void countStep(const db::StepRow& row, SessionStatus& status);  // a step that is decided
 
 // Calls come on the session's thread.
 struct SessionHooks {
