@@ -26,10 +26,12 @@ using Kind = UndoEntry::Kind;
                      doing + " " + path.string() + ": " + std::generic_category().message(error));
 }
 
+using BeforeChange = std::function<void()>;
+
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags)
-      : path_(path), fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
+  Descriptor(const std::filesystem::path& path, int flags, const BeforeChange& before)
+      : before_(before), path_(path), fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -44,6 +46,7 @@ class Descriptor {
   }
   void write(const std::byte* data, std::int64_t bytes, std::int64_t offset) const {
     while (bytes > 0) {
+      before_();
       const ssize_t got = ::pwrite(fd_, data, static_cast<std::size_t>(bytes), offset);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) fail("taking back", path_, errno);
@@ -54,10 +57,12 @@ class Descriptor {
     if (::pread(fd_, into, bytes, 0) != static_cast<ssize_t>(bytes)) fail("reading", path_, EIO);
   }
   void truncate(std::int64_t bytes) const {
+    before_();
     if (::ftruncate(fd_, bytes) != 0) fail("taking back", path_, errno);
   }
 
  private:
+  const BeforeChange& before_;
   std::filesystem::path path_;
   int fd_;
 };
@@ -124,12 +129,13 @@ std::int64_t takeBack(const Descriptor& file, const UndoEntry& e, std::size_t in
   return survived;
 }
 
-void takeBackBytes(const UndoLog& log, const FileCut& cut, CutReport* report) {
+void takeBackBytes(const UndoLog& log, const FileCut& cut, const BeforeChange& before,
+                   CutReport* report) {
   const Unsynced::OneFile& state = log.unsynced().files().at(cut.file);
   const auto& changes = state.changes;
   const bool buried = state.removed_by != 0;
   const Descriptor file(buried ? log.grave(state.removed_by) : std::filesystem::path(state.path),
-                        O_WRONLY);
+                        O_WRONLY, before);
   report->writes_lost += static_cast<int>(changes.size() - cut.kept);
   if (!file.isOpen()) return;  // somebody else removed it
 
@@ -184,9 +190,11 @@ void takeBackName(const UndoLog& log, const UndoEntry& e) {
 
 }  // namespace
 
-CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed) {
+CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed,
+                   const std::function<void()>& before_change) {
+  const BeforeChange before = before_change ? before_change : [] {};
   UndoLog log(log_folder);
-  const Descriptor noted(log_folder / "cut", O_RDWR | O_CREAT);
+  const Descriptor noted(log_folder / "cut", O_RDWR | O_CREAT, before);
   if (!noted.isOpen()) fail("opening", log_folder / "cut", errno);
   CutProgress progress{.seed = seed};
   const auto note = [&] {
@@ -208,16 +216,20 @@ CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed) 
       if (!path.empty()) times.keep(path.parent_path());
   for (const FileCut& cut : plan.files) times.keep(log.unsynced().files().at(cut.file).path);
   if (progress.bytes_done == 0) {
-    for (const FileCut& cut : plan.files) takeBackBytes(log, cut, &report);
+    for (const FileCut& cut : plan.files) takeBackBytes(log, cut, before, &report);
     progress.bytes_done = 1;
     note();
   }
   while (progress.names_done < plan.names.size()) {
+    before();
     takeBackName(log, plan.names[progress.names_done++]);
     note();
   }
+  before();
   times.putBack();
+  before();
   log.forget();
+  before();
   std::filesystem::remove(log_folder / "cut");
   return report;
 }

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "db/file_ops.h"
@@ -54,6 +55,8 @@ struct CutReport {
 // survives, the next one torn at 512 B or 4 KiB, or any sectors do; per folder a prefix of the
 // changes of names. The writer is dead. Ends with an empty log; when it is itself killed in the
 // middle, the next call goes on with the seed of the first. ArchiveError.
-CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed);
+// `before_change` is called before every change to the disk: a test dies in it.
+CutReport cutPower(const std::filesystem::path& log_folder, std::uint64_t seed,
+                   const std::function<void()>& before_change = {});
 
 }  // namespace patina::db

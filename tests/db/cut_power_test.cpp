@@ -86,34 +86,40 @@ TEST(CutPower, GivesTheSameFolderForTheSameSeedAndDoesNothingTwice) {
   EXPECT_GT(different, 20);
 }
 
+// A supervisor that dies before its k-th change to the disk; whether it did.
+bool dieAtChange(const std::filesystem::path& log, std::uint64_t seed, int k) {
+  const pid_t supervisor = ::fork();
+  if (supervisor == 0) {
+    cutPower(log, seed, [&k] {
+      if (k-- == 0) ::raise(SIGKILL);
+    });
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(supervisor, &status, 0);
+  return WIFSIGNALED(status);
+}
+
 // The second call must end where an undisturbed one does.
 TEST(CutPower, EndsInTheSamePlaceWhenItIsKilledInTheMiddle) {
-  int killed = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const TempFolder top = TempFolder::inMemory();
     const auto folder = top / "archive", log = top / "log";
     std::filesystem::create_directory(folder);
     live(folder, log, seed);
-    const pid_t supervisor = ::fork();
-    if (supervisor == 0) {
-      cutPower(log, seed);
-      ::_exit(0);
-    }
-    for (std::uint64_t spin = uniformBelow(seed, 40); spin > 0; --spin) ::sched_yield();
-    ::kill(supervisor, SIGKILL);
-    int status = 0;
-    ::waitpid(supervisor, &status, 0);
-    killed += WIFSIGNALED(status);
-    cutPower(log, seed);
-    const auto disturbed = contents(folder);
+    int changes = 0;
+    cutPower(log, seed, [&changes] { ++changes; });
+    const auto undisturbed = contents(folder);
 
     std::filesystem::remove_all(folder);
     std::filesystem::create_directory(folder);
     live(folder, log, seed);
-    cutPower(log, seed);
-    EXPECT_EQ(contents(folder), disturbed) << "seed " << seed;
+    const auto k =
+        static_cast<int>(uniformBelow(hashSeed(seed, 1), static_cast<std::uint64_t>(changes)));
+    EXPECT_TRUE(dieAtChange(log, seed, k)) << "seed " << seed << " change " << k;
+    cutPower(log, k == 0 ? seed : seed + 1);  // it knows the seed from its first change on
+    EXPECT_EQ(contents(folder), undisturbed) << "seed " << seed << " change " << k;
   }
-  EXPECT_GT(killed, 0);
 }
 
 TEST(CutPower, FindsNothingToDoInAnEmptyLog) {
