@@ -109,7 +109,7 @@ AlertRules defaultAlertRules(Nanoseconds interval) {
   set(AlertKind::kClipping, {Severity::kWarning, 30min, two_steps, daily});
   set(AlertKind::kSensorBand, {Severity::kWarning, 10min, two_steps, daily});
   set(AlertKind::kSensorSilent, {Severity::kWarning, 10min, two_steps, daily});
-  set(AlertKind::kDiskFilling, {Severity::kWarning, 0s, 1h, daily});
+  set(AlertKind::kDiskFilling, {Severity::kWarning, 10min, 1h, daily});
   set(AlertKind::kDiskFull, {Severity::kCritical, 0s, two_steps, often});
   set(AlertKind::kClockStep, {Severity::kInfo, 0s, 1h, {}});
   set(AlertKind::kDriverRestart, {Severity::kInfo, 0s, 1h, {}});

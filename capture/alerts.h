@@ -31,7 +31,7 @@ enum class AlertKind {
   kClipping,
   kSensorBand,  // temperature or humidity out of its band: shots are not taken
   kSensorSilent,
-  kDiskFilling,  // full within a day, before the run is over
+  kDiskFilling,  // will be full before the run is over
   kDiskFull,     // no new captures
   kClockStep,
   kDriverRestart,

@@ -12,10 +12,13 @@ using namespace std::chrono_literals;
 
 constexpr int kWholeStepsToLearnFrom = 10;  // as many as make a baseline firm
 constexpr std::size_t kRowsACommit = 10'000;
-constexpr Nanoseconds kWarnOfFullDisk = 24h;
 constexpr const char* kPaused = "paused";  // the reason of what falls due in a pause
 
 Now nowOf(const devices::Clock& clock) { return {clock.utc(), clock.mono(), clock.bootId()}; }
+
+std::string inWords(Nanoseconds left) {
+  return left >= 48h ? std::to_string(left / 24h) + " days" : formatLasted(left - left % 1min);
+}
 
 }  // namespace
 
@@ -216,11 +219,11 @@ void Session::forecastDisk() {
 
 void Session::watchDisk() {
   const auto full = status_.disk_full_utc;
-  const Nanoseconds left = full ? *full - dueUtc(plan_, state_, state_.next_number) : 0ns;
-  if (full && left < kWarnOfFullDisk)
+  if (full)
     runner_.alerts().raise(AlertKind::kDiskFilling, "",
-                           "full in " + formatLasted(left) + ", before the run is over: " +
-                               formatBytes(status_.disk_free_bytes) + " free",
+                           "full in " + inWords(*full - dueUtc(plan_, state_, state_.next_number)) +
+                               ", before the run is over: " + formatBytes(status_.disk_free_bytes) +
+                               " free",
                            moment());
   else
     runner_.alerts().clear(AlertKind::kDiskFilling, "", moment());

@@ -276,6 +276,26 @@ TEST(Session, StopsCleanlyBeforeTheDiskIsFullAndGoesOnWhenThereIsRoom) {
   sim.expectWhole();
 }
 
+TEST(Session, WarnsDaysAheadThatTheDiskWillBeFullBeforeTheRunIsOver) {
+  Simulation sim({.interval = "6h", .duration = "30d", .plan = "[disk]\nreserve = \"1GB\"\n"});
+  FullDisk disk;
+  sim.archive_options.files = &disk;
+  constexpr std::uint64_t kBytesAShot = 64 * 48 + 1024;  // as the twin's camera says
+  disk.free_bytes = 1'000'000'000 + 60 * kBytesAShot;
+  sim.clock.at(sim.clock.mono() + 50h, [&] { disk.free_bytes = 5'000'000'000; });
+  std::vector<std::string> told;
+  sim.run([&](capture::SessionHooks& hooks) {
+    hooks.on_alert = [&](const capture::AlertNews& news) {
+      if (news.kind == capture::AlertKind::kDiskFilling &&
+          news.event != capture::AlertEvent::kReminder)
+        told.push_back(std::string(name(news.event)) + " " + news.detail);
+    };
+  });
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_THAT(told[0], HasSubstr("begins full in 15 days, before the run is over"));
+  EXPECT_THAT(told[1], HasSubstr("over"));
+}
+
 TEST(Session, LosesNothingWhenTheDiskIsFullWithoutWarning) {
   Simulation sim({.lights = R"([["key"], ["fill"]])"});
   FullDisk disk;

@@ -90,6 +90,7 @@ capture::SessionHooks ActiveRun::hooks() {
   hooks.on_step = [this](const db::StepRow& step) { observer_.onStep(step); };
   hooks.on_light = [this](std::span<const db::LightCheckRow> rows) { observer_.onLight(rows); };
   hooks.on_event = [this](const db::EventRow& event) { observer_.onEvent(event); };
+  hooks.on_alert = [this](const capture::AlertNews& news) { observer_.onAlert(run_.id, news); };
   hooks.on_alive = [this] { observer_.onSession(run_.id, Phase::kTurns); };
   hooks.paused = &paused_;
   hooks.shoot_now = &shoot_;

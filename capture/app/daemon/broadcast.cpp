@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/app/daemon/broadcast.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace patina::daemon {
@@ -54,6 +56,7 @@ void Broadcast::onRun(const RunView& view) {
     metrics_.gauge("patina_alerts_active").set(static_cast<double>(alerts_.size()));
     changed = changed_;
   }
+  if (!view.active) predictFull(view.id, {}, {});
   if (changed) changed();
 }
 
@@ -76,7 +79,7 @@ void Broadcast::onStatus(const RunView& view) {
     shot = just_shot_.erase(view.id) != 0;
   }
   if (shot) metrics_.histogram("patina_slot_late_seconds").observe(toSeconds(view.status.late));
-  predictFull(view.status.disk_free_bytes, view.status.now_utc);
+  predictFull(view.id, view.status.disk_full_utc, view.status.now_utc);
   publish("status", jsonOf(view));
 }
 
@@ -99,11 +102,6 @@ void Broadcast::onFrame(const std::string& run_id, const std::string& camera,
                         const db::FrameRow& frame) {
   if (ack_log_ != nullptr) ack_log_->take(run_id, frame);
   metrics_.gauge("patina_last_ack_timestamp_seconds", {run_id}).set(secondsOf(frame.acked_utc));
-  {
-    const std::lock_guard lock(mutex_);
-    if (!first_frame_) first_frame_ = frame.acked_utc;
-    frame_bytes_ += frame.bytes;
-  }
   publish("frame", jsonOf(run_id, camera, frame));
 }
 
@@ -116,7 +114,6 @@ void Broadcast::onLight(std::span<const db::LightCheckRow> rows) {
 
 void Broadcast::onEvent(const db::EventRow& event) {
   if (event.kind == "clock_step") metrics_.counter("patina_clock_steps_total").add();
-  if (event.kind == "alarm") takeAlarm(event);
   if (event.kind != "recover") return;
   // "cam0: reopen after timeout"; what is said of a lamp at the start has no rung.
   const auto colon = event.detail.find(": "), after = event.detail.find(" after ");
@@ -127,42 +124,58 @@ void Broadcast::onEvent(const db::EventRow& event) {
       .add();
 }
 
-// At the rate since the daemon started; nothing is said of the first minutes.
-void Broadcast::predictFull(std::uint64_t free_bytes, UtcTime now) {
-  constexpr double kTooSoon_s = 60;
-  double seconds = 0, bytes = 0;
+// The session forecasts by what its cameras say their pictures take. Of several runs the one whose
+// forecast is worst counts; +Inf: all of them fit.
+void Broadcast::predictFull(const std::string& run_id, std::optional<UtcTime> full, UtcTime now) {
+  double seconds = std::numeric_limits<double>::infinity();
   {
     const std::lock_guard lock(mutex_);
-    if (!first_frame_) return;
-    seconds = toSeconds(now - *first_frame_);
-    bytes = static_cast<double>(frame_bytes_);
+    if (full)
+      until_full_[run_id] = *full - now;
+    else
+      until_full_.erase(run_id);
+    for (const auto& [id, left] : until_full_)
+      seconds = std::min(seconds, std::max(0.0, toSeconds(left)));
   }
-  if (seconds < kTooSoon_s || bytes <= 0 || free_bytes == 0) return;
-  metrics_.gauge("patina_store_predicted_full_seconds")
-      .set(static_cast<double>(free_bytes) / (bytes / seconds));
+  metrics_.gauge("patina_store_predicted_full_seconds").set(seconds);
 }
 
-// "camera cam0 down begins: timeout", "camera cam0 down is over after 40min".
-void Broadcast::takeAlarm(const db::EventRow& event) {
-  Alert alert{event.run_id, event.detail, {}, event.utc};
-  const auto begins = event.detail.find(" begins: ");
-  const auto over = event.detail.find(" is over after ");
-  if (begins != std::string::npos) {
-    alert.what = event.detail.substr(0, begins);
-    alert.detail = event.detail.substr(begins + std::string(" begins: ").size());
-  } else if (over != std::string::npos) {
-    alert.what = event.detail.substr(0, over);
+void Broadcast::onAlert(const std::string& run_id, const capture::AlertNews& news) {
+  put({run_id, capture::describe(news.kind, news.subject), news.detail, news.since_utc},
+      news.event == capture::AlertEvent::kOver);
+}
+
+void Broadcast::warn(const std::string& what, const std::string& detail, UtcTime utc) {
+  put({"", what, detail, utc}, false);
+}
+
+void Broadcast::settled(const std::string& what) {
+  Alert alert;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = alerts_.find(" " + what);
+    if (found == alerts_.end()) return;
+    alert = found->second;
   }
+  put(alert, true);
+}
+
+void Broadcast::damaged(const std::string& detail, UtcTime utc) {
+  metrics_.counter("patina_scrub_errors_total").add();
+  warn(capture::describe(capture::AlertKind::kScrubError, ""), detail, utc);
+}
+
+void Broadcast::put(const Alert& alert, bool over) {
   {
     const std::lock_guard lock(mutex_);
     const std::string key = alert.run_id + " " + alert.what;
-    if (over != std::string::npos)
+    if (over)
       alerts_.erase(key);
     else
       alerts_[key] = alert;
     metrics_.gauge("patina_alerts_active").set(static_cast<double>(alerts_.size()));
   }
-  publish("alert", jsonOf(alert, over != std::string::npos));
+  publish("alert", jsonOf(alert, over));
 }
 
 }  // namespace patina::daemon

@@ -31,6 +31,10 @@ class Broadcast final : public RunObserver {
   void onChange(std::function<void()> call);
   void logAcks(const AckLog* log) { ack_log_ = log; }  // before the first run; outlives the runs
   std::vector<Alert> alerts() const;
+  // What is wrong with the archive as a whole, or stays wrong when a run is over: until settled().
+  void warn(const std::string& what, const std::string& detail, UtcTime utc);
+  void settled(const std::string& what);
+  void damaged(const std::string& detail, UtcTime utc);  // a scrub met a file that was changed
   void committed(Nanoseconds took);  // one frame, from its bytes to its acknowledgement
 
   void onRun(const RunView& view) override;
@@ -41,12 +45,13 @@ class Broadcast final : public RunObserver {
                const db::FrameRow& frame) override;
   void onLight(std::span<const db::LightCheckRow> rows) override;
   void onEvent(const db::EventRow& event) override;
+  void onAlert(const std::string& run_id, const capture::AlertNews& news) override;
   void onSession(const std::string& run_id, Phase phase) override;
 
  private:
   void publish(const std::string& event, const std::string& json);
-  void takeAlarm(const db::EventRow& event);
-  void predictFull(std::uint64_t free_bytes, UtcTime now);
+  void put(const Alert& alert, bool over);
+  void predictFull(const std::string& run_id, std::optional<UtcTime> full, UtcTime now);
 
   http::Metrics& metrics_;
   Watchdog& watchdog_;
@@ -54,10 +59,9 @@ class Broadcast final : public RunObserver {
   mutable std::mutex mutex_;  // guards what follows
   Publish publish_;
   std::function<void()> changed_;
-  std::map<std::string, Alert> alerts_;  // by run and what
+  std::map<std::string, Alert> alerts_;  // by run (empty: of none) and what
   std::set<std::string> just_shot_;      // runs whose step was shot, and not yet counted as late
-  std::optional<UtcTime> first_frame_;
-  std::int64_t frame_bytes_ = 0;  // since then
+  std::map<std::string, Nanoseconds> until_full_;  // by run that would not fit
 };
 
 }  // namespace patina::daemon

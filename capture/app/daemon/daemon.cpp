@@ -10,6 +10,7 @@
 #include "capture/app/daemon/inhibitor.h"
 #include "capture/app/daemon/places.h"
 #include "capture/app/daemon/run_keeper.h"
+#include "capture/app/daemon/scrub_watch.h"
 #include "capture/app/daemon/service.h"
 #include "capture/app/http/server.h"
 #include "devices/scaled_clock.h"
@@ -99,6 +100,8 @@ class Daemon::Impl {
   void listen();
   void afterwards(const std::string& run_id, const std::string& trouble);
   void finishWhatWasLeft();
+  void everyHalfMinute();
+  void lookForDamage();
   void wake();
   void beat(MonoTime& retried);
   DaemonStatus status();
@@ -115,6 +118,7 @@ class Daemon::Impl {
   Inhibitor inhibitor_;
   UtcTime started_;
   std::unique_ptr<db::Archive> archive_;
+  ScrubWatch scrubs_;
   std::unique_ptr<AfterWork> after_;
   std::unique_ptr<capture::notify::Dispatcher> dispatcher_;
   std::unique_ptr<RunKeeper> keeper_;
@@ -229,7 +233,17 @@ void Daemon::Impl::beat(MonoTime& retried) {
     options_.say(why);
   if (real_.mono() - retried < kRetryEvery) return;
   retried = real_.mono();
+  everyHalfMinute();
+}
+
+void Daemon::Impl::everyHalfMinute() {
   keeper_->retry();
+  lookForDamage();
+}
+
+void Daemon::Impl::lookForDamage() {
+  for (const db::EventRow& damage : scrubs_.news(archive_->reader()))
+    broadcast_.damaged(damage.detail, damage.utc);
 }
 
 void Daemon::Impl::run(const std::stop_token& stop) {
@@ -239,6 +253,7 @@ void Daemon::Impl::run(const std::stop_token& stop) {
     const RunView view = keeper_->start(options_.start, false);
     options_.say("run " + view.id + " goes on");
   }
+  lookForDamage();
   finishWhatWasLeft();
   notifyReady("ready");
   const std::stop_callback on_stop(stop, [this] { wake(); });

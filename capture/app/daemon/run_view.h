@@ -44,6 +44,7 @@ class RunObserver {
                        const db::FrameRow&) {}
   virtual void onLight(std::span<const db::LightCheckRow>) {}
   virtual void onEvent(const db::EventRow&) {}
+  virtual void onAlert(const std::string& /*run_id*/, const capture::AlertNews&) {}
   virtual void onSession(const std::string& /*run_id*/, Phase) {}  // on its thread, in order
 };
 

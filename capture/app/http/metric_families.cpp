@@ -48,7 +48,7 @@ std::vector<MetricFamily> captureFamilies() {
       {"patina_clock_steps_total", "Times the wall clock jumped.", kCounter, {}, {}},
       {"patina_store_free_bytes", "Free space on the disk of the archive.", kGauge, {}, {}},
       {"patina_store_predicted_full_seconds",
-       "Until the disk is full at the present rate.",
+       "Until captures stop for want of room, by the plans of the runs; +Inf: all fit.",
        kGauge,
        {},
        {}},

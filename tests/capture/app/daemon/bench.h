@@ -46,6 +46,11 @@ class Watcher : public RunObserver {
     events_.push_back(event.kind + " " + event.detail);
   }
 
+  void onAlert(const std::string&, const capture::AlertNews& news) override {
+    const std::lock_guard lock(mutex_);
+    alerts_.push_back(std::string(capture::name(news.event)) + " " + capture::name(news.kind));
+  }
+
   // Until no session of the run is at work; call begin() before what starts it.
   void begin(const std::string& run_id) {
     const std::lock_guard lock(mutex_);
@@ -58,6 +63,10 @@ class Watcher : public RunObserver {
   std::vector<std::string> events() const {
     const std::lock_guard lock(mutex_);
     return events_;
+  }
+  std::vector<std::string> alerts() const {
+    const std::lock_guard lock(mutex_);
+    return alerts_;
   }
   std::vector<RunView> views() const {
     const std::lock_guard lock(mutex_);
@@ -72,7 +81,7 @@ class Watcher : public RunObserver {
   std::condition_variable changed_;
   std::set<std::string> ended_;
   std::vector<RunView> views_;
-  std::vector<std::string> events_, frames_of_;
+  std::vector<std::string> events_, alerts_, frames_of_;
   int frames_ = 0;
 };
 
@@ -134,7 +143,7 @@ class Bench {
   testing::TempFolder folder = testing::TempFolder::inMemory();
   devices::VirtualClock clock{parseUtc("2024-05-01T12:00:00Z")};
   Watcher watcher;
-  std::string no_rig;  // why the devices cannot be opened
+  std::string no_rig;                                 // why the devices cannot be opened
   std::vector<std::string> finished;
   std::unique_ptr<db::Archive> archive;
   std::unique_ptr<RunKeeper> keeper;

@@ -8,6 +8,8 @@
 namespace patina::daemon {
 namespace {
 
+using capture::AlertEvent;
+using capture::AlertKind;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -22,8 +24,15 @@ class BroadcastTest : public ::testing::Test {
       last_ = json;
     });
   }
-  void alarm(const std::string& detail) {
-    broadcast_.onEvent({1, "r", utcFromNs(5), "alarm", detail});
+  void alert(capture::AlertEvent event, capture::AlertKind kind, const std::string& subject,
+             const std::string& detail = "why") {
+    capture::AlertNews news;
+    news.event = event;
+    news.kind = kind;
+    news.subject = subject;
+    news.detail = detail;
+    news.since_utc = utcFromNs(5);
+    broadcast_.onAlert("r", news);
   }
   devices::VirtualClock clock_{parseUtc("2024-05-01T12:00:00Z")};
   http::Metrics metrics_;
@@ -37,7 +46,7 @@ TEST_F(BroadcastTest, EveryStepVerdictAlertAndFrameIsAnEvent) {
   broadcast_.onStep({});
   const std::vector<db::LightCheckRow> checks(1);
   broadcast_.onLight(checks);
-  alarm("camera cam0 down begins: timeout");
+  alert(AlertEvent::kBegins, AlertKind::kCameraDown, "cam0");
   broadcast_.onFrame("r", "cam0", {});
   broadcast_.onStatus(liveView());
   broadcast_.onRun(liveView());
@@ -45,19 +54,21 @@ TEST_F(BroadcastTest, EveryStepVerdictAlertAndFrameIsAnEvent) {
 }
 
 TEST_F(BroadcastTest, AnAlertIsOnFromItsBeginningToItsEnd) {
-  alarm("camera cam0 down begins: timeout");
+  alert(AlertEvent::kBegins, AlertKind::kCameraDown, "cam0", "timeout");
+  alert(AlertEvent::kReminder, AlertKind::kCameraDown, "cam0", "timeout");
   ASSERT_THAT(broadcast_.alerts(), SizeIs(1));
   EXPECT_EQ(broadcast_.alerts()[0].what, "camera cam0 down");
   EXPECT_EQ(broadcast_.alerts()[0].detail, "timeout");
+  EXPECT_EQ(broadcast_.alerts()[0].since, utcFromNs(5));
   EXPECT_THAT(metrics_.text(), HasSubstr("patina_alerts_active 1"));
-  alarm("camera cam0 down is over after 40min");
+  alert(AlertEvent::kOver, AlertKind::kCameraDown, "cam0");
   EXPECT_THAT(broadcast_.alerts(), IsEmpty());
   EXPECT_THAT(last_, HasSubstr("\"over\":true"));
   EXPECT_THAT(metrics_.text(), HasSubstr("patina_alerts_active 0"));
 }
 
 TEST_F(BroadcastTest, ARunThatHasEndedLeavesNoAlert) {
-  alarm("dark begins: no light");
+  alert(AlertEvent::kBegins, AlertKind::kLampDead, "key");
   RunView ended = liveView();
   ended.id = "r";
   ended.active = false;
@@ -104,16 +115,42 @@ TEST_F(BroadcastTest, CountsEachStepsLatenessOnceAndTheRungsThatWereTaken) {
   EXPECT_THAT(text, HasSubstr("patina_camera_resets_total{camera=\"cam0\",step=\"reopen\"} 1"));
 }
 
-TEST_F(BroadcastTest, PredictsWhenTheDiskIsFullAtTheRateOfTheFrames) {
-  db::FrameRow frame;
-  frame.bytes = 100;
-  frame.acked_utc = parseUtc("2024-05-01T14:00:00Z");
-  broadcast_.onFrame("r", "cam0", frame);
+TEST_F(BroadcastTest, ReadsNoAlertOutOfTheTextOfAnEvent) {
+  broadcast_.onEvent({1, "r", utcFromNs(5), "alarm", "camera cam0 down begins: timeout"});
+  EXPECT_THAT(broadcast_.alerts(), IsEmpty());
+}
+
+TEST_F(BroadcastTest, WhatBelongsToNoRunStaysWhenARunEnds) {
+  broadcast_.warn("products of r failed", "exit 74", utcFromNs(5));
+  broadcast_.damaged("hash frames/ab/cd.jpg", utcFromNs(6));
+  RunView ended = liveView();
+  ended.id = "r";
+  ended.active = false;
+  broadcast_.onRun(ended);
+  EXPECT_THAT(broadcast_.alerts(), SizeIs(2));
+  EXPECT_THAT(metrics_.text(), HasSubstr("patina_scrub_errors_total 1"));
+  broadcast_.settled("products of r failed");
+  broadcast_.settled("products of r failed");
+  ASSERT_THAT(broadcast_.alerts(), SizeIs(1));
+  EXPECT_EQ(broadcast_.alerts()[0].what, "archive damaged");
+  EXPECT_EQ(broadcast_.alerts()[0].detail, "hash frames/ab/cd.jpg");
+}
+
+TEST_F(BroadcastTest, PredictsWhenTheDiskIsFullByTheWorstOfTheForecasts) {
   RunView view = liveView();
-  view.status.disk_free_bytes = 1000;
-  view.status.now_utc = frame.acked_utc + std::chrono::minutes(2);
+  view.status.disk_full_utc = view.status.now_utc + std::chrono::hours(2);
   broadcast_.onStatus(view);
-  EXPECT_THAT(metrics_.text(), HasSubstr("patina_store_predicted_full_seconds 1200"));
+  RunView other = liveView();
+  other.id = "other";
+  other.status.disk_full_utc = other.status.now_utc + std::chrono::hours(1);
+  broadcast_.onStatus(other);
+  EXPECT_THAT(metrics_.text(), HasSubstr("patina_store_predicted_full_seconds 3600"));
+  other.active = false;
+  broadcast_.onRun(other);
+  EXPECT_THAT(metrics_.text(), HasSubstr("patina_store_predicted_full_seconds 7200"));
+  view.status.disk_full_utc.reset();
+  broadcast_.onStatus(view);
+  EXPECT_THAT(metrics_.text(), HasSubstr("patina_store_predicted_full_seconds +Inf"));
 }
 
 TEST_F(BroadcastTest, ARunIsActiveWhileItsSessionIsAtWorkAndNotPaused) {
