@@ -115,6 +115,7 @@ class Daemon::Impl {
   Broadcast broadcast_;
   const AckLog acks_;
   Previews previews_;
+  RunCounts counts_;
   Inhibitor inhibitor_;
   UtcTime started_;
   std::unique_ptr<db::Archive> archive_;
@@ -145,7 +146,8 @@ void Daemon::Impl::listen() {
   const DaemonConfig config = config_.get();
   const Places places = placesToListen(options_.archive);
   around_.emplace(Surroundings{archive_->reader().folder(), *keeper_, broadcast_, previews_,
-                               [this] { return status(); }, [this] { return config_.get().plans; },
+                               counts_, [this] { return status(); },
+                               [this] { return config_.get().plans; },
                                [this] { return reload(); }});
   http::ServerOptions serving;
   serving.socket = places.socket;

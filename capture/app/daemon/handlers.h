@@ -10,6 +10,7 @@
 
 #include "capture/app/daemon/broadcast.h"
 #include "capture/app/daemon/preview.h"
+#include "capture/app/daemon/run_counts.h"
 #include "capture/app/daemon/run_keeper.h"
 #include "capture/app/http/messages.h"
 
@@ -22,6 +23,7 @@ struct Surroundings {
   RunKeeper& keeper;
   Broadcast& broadcast;
   Previews& previews;
+  RunCounts& counts;
   std::function<DaemonStatus()> status;
   std::function<std::filesystem::path()> plans;  // where plans of the network may lie; empty: none
   std::function<std::string()> reload;           // what changed, in words; throws when it is wrong

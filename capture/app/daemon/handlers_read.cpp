@@ -67,30 +67,37 @@ Response pageResponse(const Surroundings& around, const Request& request, const 
   return json(listJson(name, items, next));
 }
 
+std::string runJson(const Surroundings& around, const db::ArchiveReader& reader,
+                    const db::RunRow& row, const RunView* live) {
+  return jsonOf(row, live, hasSpoken(live) ? live->status : around.counts.of(reader, row));
+}
+
 Response runList(const Surroundings& around, const Request& request) {
   const auto page = pageOf(request);
   const auto live = around.keeper.runs();
   std::vector<std::string> items;
   std::optional<std::int64_t> next;
-  for (const db::RunRow& row : db::ArchiveReader(around.archive).runs()) {
+  const db::ArchiveReader reader(around.archive);
+  for (const db::RunRow& row : reader.runs()) {
     if (row.number <= page.after) continue;
     if (items.size() == static_cast<std::size_t>(page.rows)) break;
     if (items.size() + 1 == static_cast<std::size_t>(page.rows)) next = row.number;
     const RunView* view = nullptr;
     for (const RunView& candidate : live)
       if (candidate.id == row.id) view = &candidate;
-    items.push_back(jsonOf(row, view));
+    items.push_back(runJson(around, reader, row, view));
   }
   return json(listJson("runs", items, next));
 }
 
 Response oneRun(const Surroundings& around, const Request& request) {
-  const auto row = findRun(db::ArchiveReader(around.archive), request);
+  const db::ArchiveReader reader(around.archive);
+  const auto row = findRun(reader, request);
   if (!row) return notThere("that run");
   const auto live = around.keeper.runs();
   for (const RunView& view : live)
-    if (view.id == row->id) return json(listJson("run", {jsonOf(*row, &view)}));
-  return json(listJson("run", {jsonOf(*row, nullptr)}));
+    if (view.id == row->id) return json(listJson("run", {runJson(around, reader, *row, &view)}));
+  return json(listJson("run", {runJson(around, reader, *row, nullptr)}));
 }
 
 Response deviceList(const Surroundings& around) {

@@ -57,14 +57,7 @@ Json objectOf(const CameraView& camera) {
   return object;
 }
 
-void addLive(Json& object, const RunView& view) {
-  const capture::SessionStatus& s = view.status;
-  object["state"] = view.state;
-  object["active"] = view.active;
-  object["trouble"] = view.trouble;
-  object["plan"] = view.plan;
-  object["devices"] = view.devices;
-  object["paused"] = s.paused;
+void addCounts(Json& object, const capture::SessionStatus& s) {
   object["step"] = s.step;
   object["steps"] = s.steps;
   object["captured"] = s.captured;
@@ -73,6 +66,17 @@ void addLive(Json& object, const RunView& view) {
   object["missed"] = s.missed;
   object["failed"] = s.failed;
   object["partial"] = s.partial;
+}
+
+void addLive(Json& object, const RunView& view) {
+  const capture::SessionStatus& s = view.status;
+  object["state"] = view.state;
+  object["active"] = view.active;
+  object["trouble"] = view.trouble;
+  object["plan"] = view.plan;
+  object["devices"] = view.devices;
+  object["paused"] = s.paused;
+  addCounts(object, s);
   object["now_utc_ns"] = toNs(s.now_utc);
   object["next_due_utc_ns"] = toNs(s.next_due_utc);
   object["late_ns"] = s.late.count();
@@ -190,13 +194,17 @@ std::string jsonOf(const RunView& view) {
   return textOf(object);
 }
 
-std::string jsonOf(const db::RunRow& row, const RunView* live) {
+bool hasSpoken(const RunView* live) { return live != nullptr && live->status.steps > 0; }
+
+std::string jsonOf(const db::RunRow& row, const RunView* live,
+                   const capture::SessionStatus& counted) {
   Json object = objectOf(db::RunRecord{row, 0, 0});
   for (const char* key : {"plan_toml", "rig_toml", "specimen_id", "rig_id", "boot_id"})
     object.erase(key);
   object["specimen"] = row.specimen;
   object["rig"] = row.rig;
   if (live != nullptr) addLive(object, *live);
+  if (!hasSpoken(live)) addCounts(object, counted);
   object["state"] = row.state;
   return textOf(object);
 }

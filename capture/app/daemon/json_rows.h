@@ -21,7 +21,10 @@ std::string jsonOf(const db::DeviceRow& row, const std::string& held_by);
 std::string jsonOf(const db::ArchivePages::ShotFrame& row);
 std::string jsonOf(const std::string& run_id, const std::string& camera, const db::FrameRow& row);
 std::string jsonOf(const RunView& view);  // the live part alone
-std::string jsonOf(const db::RunRow& row, const RunView* live);
+bool hasSpoken(const RunView* live);      // its session has told of itself
+// With the counts of its session, when that has spoken, else with `counted`.
+std::string jsonOf(const db::RunRow& row, const RunView* live,
+                   const capture::SessionStatus& counted);
 
 struct Alert {
   std::string run_id, what, detail;

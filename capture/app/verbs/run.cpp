@@ -24,7 +24,7 @@ Item itemOf(const daemon::RunView& view) {
   item.set("id", view.id.c_str()).set("state", view.state.c_str());
   item.hidden("active", view.active).hidden("paused", s.paused);
   item.hidden("specimen", view.specimen).hidden("plan", view.plan);
-  // Only a session counts; of a run without one, `patina archive report` tells.
+  // What `run stop` and its like answer of a run that no session is at work on has no counts.
   for (const auto& [key, count] : {std::pair{"step", s.step},
                                    {"steps", s.steps},
                                    {"captured", s.captured},

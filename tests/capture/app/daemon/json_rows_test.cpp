@@ -33,8 +33,8 @@ TEST(JsonRows, NoTextOfAPlanOrRigGoesOut) {
   row.id = "r";
   row.plan_toml = "webhook = \"https://user:secret@host\"";
   row.rig_toml = "settings = { password = \"secret\" }";
-  EXPECT_THAT(jsonOf(row, nullptr), Not(HasSubstr("secret")));
-  EXPECT_THAT(jsonOf(row, nullptr), HasSubstr("\"id\":\"r\""));
+  EXPECT_THAT(jsonOf(row, nullptr, {}), Not(HasSubstr("secret")));
+  EXPECT_THAT(jsonOf(row, nullptr, {}), HasSubstr("\"id\":\"r\""));
 }
 
 TEST(JsonRows, BytesThatAreNoTextDoNotStopAnAnswer) {

@@ -42,12 +42,14 @@ class RoutesBench : public Bench {
   Watchdog watchdog{clock};
   Broadcast broadcast{metrics, watchdog};
   Previews previews;
+  RunCounts counts;
   std::filesystem::path plans;
   std::string reloaded = "nothing has changed";
   Surroundings around{folder / "archive",
                       *keeper,
                       broadcast,
                       previews,
+                      counts,
                       [] {
                         DaemonStatus status;
                         status.version = "test";
