@@ -3,6 +3,7 @@
 
 #include <mutex>
 
+#include "capture/app/daemon/after_retries.h"
 #include "capture/app/daemon/after_work.h"
 #include "capture/app/daemon/broadcast.h"
 #include "capture/app/daemon/daemon_config.h"
@@ -42,6 +43,8 @@ bool hasProductsDue(const db::RunRow& run) {
     return false;  // of an older program: nothing is made of it without being asked for
   }
 }
+
+std::string productsOf(const std::string& run_id) { return "products of " + run_id + " failed"; }
 
 devices::Rig openTwinOnly(const RunFiles& files, const capture::RunStart& start,
                           devices::Clock& clock) {
@@ -99,6 +102,7 @@ class Daemon::Impl {
   void keep();
   void listen();
   void afterwards(const std::string& run_id, const std::string& trouble);
+  std::string tryAgain(const std::string& run_id, const std::string& trouble);
   void finishWhatWasLeft();
   void everyHalfMinute();
   void lookForDamage();
@@ -120,6 +124,7 @@ class Daemon::Impl {
   UtcTime started_;
   std::unique_ptr<db::Archive> archive_;
   ScrubWatch scrubs_;
+  AfterRetries retries_;
   std::unique_ptr<AfterWork> after_;
   std::unique_ptr<capture::notify::Dispatcher> dispatcher_;
   std::unique_ptr<RunKeeper> keeper_;
@@ -137,7 +142,10 @@ void Daemon::Impl::keep() {
   dispatcher_->start();
   KeeperOptions keeping{*archive_, clock(), broadcast_, openRig, dispatcher_.get(), {}};
   if (options_.speed > 0) keeping.open_rig = openTwinOnly;
-  keeping.finished = [this](const std::string& run_id) { after_->add(run_id); };
+  keeping.finished = [this](const std::string& run_id) {
+    notifyStatus("making products");  // at once: they may be made before the main loop turns
+    after_->add(run_id);
+  };
   keeper_ = std::make_unique<RunKeeper>(keeping);
   broadcast_.onChange([this] { wake(); });
 }
@@ -169,14 +177,27 @@ void Daemon::Impl::listen() {
                     : " and " + serving.listen + ":" + std::to_string(server_->port())));
 }
 
+// "; tried again in 10min". What fails is an alert until a try of ours makes it.
+std::string Daemon::Impl::tryAgain(const std::string& run_id, const std::string& trouble) {
+  const auto wait = retries_.failed(run_id, real_.mono());
+  const std::string next = wait ? "; tried again in " + capture::formatLasted(*wait)
+                                : "; given up: `patina run after " + run_id + "` says why";
+  broadcast_.warn(productsOf(run_id), trouble + next, clock().utc());
+  return next;
+}
+
 // Whatever became of them, it is known in the archive: a restart makes only what is missing.
 void Daemon::Impl::afterwards(const std::string& run_id, const std::string& trouble) {
   db::EventRow event;
   event.run_id = run_id;
   event.utc = clock().utc();
   event.kind = "after";
-  event.detail = trouble.empty() ? "done" : "failed: " + trouble;
+  event.detail = trouble.empty() ? "done" : "failed: " + trouble + tryAgain(run_id, trouble);
   options_.say("products of " + run_id + ": " + event.detail);
+  if (trouble.empty()) {
+    retries_.done(run_id);
+    broadcast_.settled(productsOf(run_id));
+  }
   try {
     archive_->addEvent(event);
   } catch (const db::ArchiveError& error) {
@@ -240,6 +261,7 @@ void Daemon::Impl::beat(MonoTime& retried) {
 
 void Daemon::Impl::everyHalfMinute() {
   keeper_->retry();
+  for (const std::string& run_id : retries_.due(real_.mono())) after_->add(run_id);
   lookForDamage();
 }
 
