@@ -125,7 +125,7 @@ class Bench {
           if (!no_rig.empty()) throw capture::CaptureError(Exit::kUnavailable, no_rig);
           return openRig(files, start, time);
         },
-        nullptr, [this](const std::string& run_id) { finished.push_back(run_id); }});
+        dispatcher, [this](const std::string& run_id) { finished.push_back(run_id); }});
   }
 
   RunView start(const std::string& plan = "card", bool new_run = false) {
@@ -144,6 +144,7 @@ class Bench {
   devices::VirtualClock clock{parseUtc("2024-05-01T12:00:00Z")};
   Watcher watcher;
   std::string no_rig;                                 // why the devices cannot be opened
+  capture::notify::Dispatcher* dispatcher = nullptr;  // from the next open() on
   std::vector<std::string> finished;
   std::unique_ptr<db::Archive> archive;
   std::unique_ptr<RunKeeper> keeper;

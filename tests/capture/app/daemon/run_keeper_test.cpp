@@ -6,6 +6,7 @@
 #include <latch>
 
 #include "tests/capture/app/daemon/bench.h"
+#include "tests/capture/notify/receiver.h"
 #include "tests/support/matchers.h"
 
 namespace patina::daemon {
@@ -286,6 +287,60 @@ TEST(RunKeeper, WishesForARunThatHasEndedAreRefused) {
   EXPECT_THROW(bench.keeper->abort(id), capture::CaptureError);
   EXPECT_THROW(bench.keeper->shoot(id), capture::CaptureError);
   EXPECT_EQ(bench.stateOf(id), "finished");
+}
+
+// What a plan's webhook is sent; all of it by the end of the run.
+class Told : public ::testing::Test {
+ protected:
+  void run(const std::string& alerts) {
+    writePlan(bench_.folder, "told", "cam0", "key", alerts);
+    bench_.dispatcher = &dispatcher_;
+    bench_.open();
+    id_ = bench_.start("told").id;
+    bench_.watcher.waitForEnd(id_);
+  }
+  std::string webhook() {
+    return "[[alerts.webhook]]\nurl = \"" + hook_.url() + "\"\nleast = \"info\"\n";
+  }
+  std::vector<std::string> bodies() {
+    std::vector<std::string> bodies;
+    for (const testing::Request& request : hook_.requests()) bodies.push_back(request.body);
+    return bodies;
+  }
+  testing::Receiver hook_;
+  Bench bench_;
+  capture::notify::Dispatcher dispatcher_{bench_.clock};
+  std::string id_;
+};
+
+TEST_F(Told, AreTheBeginningAndTheEndOfARun) {
+  run(webhook());
+  ASSERT_THAT(bodies(), SizeIs(2));
+  EXPECT_THAT(bodies()[0], HasSubstr("the run begins"));
+  EXPECT_THAT(bodies()[1], HasSubstr("the run finished: 12 of 12 steps captured"));
+  EXPECT_THAT(bodies()[1], HasSubstr(id_));
+}
+
+TEST_F(Told, IsWhyNoSessionIsAtWork) {
+  bench_.no_rig = "no camera on this bus";
+  run(webhook());
+  ASSERT_THAT(bodies(), SizeIs(2));
+  EXPECT_THAT(bodies()[1], HasSubstr("no camera on this bus"));
+  EXPECT_THAT(bodies()[1], HasSubstr("critical"));
+}
+
+TEST_F(Told, AreAlertsOfTheSessionToPeopleAndToTheObserver) {
+  bench_.clock.at(bench_.clock.mono() + std::chrono::minutes(35),
+                  [this] { bench_.clock.stepUtc(std::chrono::hours(3)); });
+  run(webhook());
+  EXPECT_THAT(bodies(), Contains(HasSubstr("clock_step")));
+  EXPECT_THAT(bench_.watcher.alerts(), Contains("begins clock_step"));
+}
+
+TEST_F(Told, IsOnlyTheArchiveWhenAChannelCannotBeMade) {
+  run("[[alerts.webhook]]\nurl_file = \"not-there.url\"\n");
+  EXPECT_THAT(bench_.watcher.events(), Contains(HasSubstr("alerts nothing will be told through")));
+  EXPECT_EQ(bench_.stateOf(id_), "finished");
 }
 
 }  // namespace
