@@ -14,30 +14,6 @@ namespace {
 
 using namespace patina;
 
-constexpr const char* kRig = R"(name = "bench"
-[[camera]]
-id = "cam0"
-backend = "twin"
-settings = { format = "jpeg" }
-[[light]]
-id = "key"
-backend = "twin"
-between = "on"
-[twin]
-specimen = "grey_card"
-size = "64x48"
-)";
-// In virtual time steps cost nothing but their work.
-constexpr const char* kPlan = R"(rig = "rig.toml"
-specimen = "card"
-interval = "50ms"
-[[sweep]]
-lights = [["key"], []]
-exposures = ["1/100"]
-[disk]
-reserve = "1MB"
-)";
-
 UtcTime lastRowOf(const db::ArchiveReader& reader, const db::RunRow& run) {
   UtcTime last = run.t0_utc;
   for (const db::StepRow& step : reader.steps(run.id)) last = std::max(last, step.due_utc);
@@ -56,12 +32,12 @@ std::unique_ptr<devices::Clock> clockOf(const std::string& name, const db::Archi
 }
 
 void run(const testing::VictimArguments& arguments) {
-  devices::RigSpec rig_spec = devices::parseRig(kRig, "rig.toml");
+  devices::RigSpec rig_spec = devices::parseRig(testing::victimRig(), "rig.toml");
   for (const auto& camera : rig_spec.cameras)
     rig_spec.patches.push_back(
         {camera.id, devices::twin::pictureLayout(rig_spec, camera).patch_px});
   const capture::Plan plan =
-      capture::parsePlan("duration = \"" + arguments.duration + "\"\n" + kPlan, "plan.toml");
+      capture::parsePlan(testing::victimPlan(arguments.duration), "plan.toml");
   db::ArchiveOptions options;
   options.folder = arguments.archive;
   options.owner = "session victim";

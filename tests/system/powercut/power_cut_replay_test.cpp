@@ -11,14 +11,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <sstream>
 
 #include "db/database.h"
 #include "processing/image/random.h"
-#include "tests/support/disk/archive_life.h"
 #include "tests/support/places.h"
 #include "tests/system/powercut/disk_log.h"
 #include "tests/system/powercut/loop_mount.h"
+#include "tests/system/victim.h"
 
 namespace patina::testing {
 namespace {
@@ -42,29 +41,7 @@ class PowerCutReplay : public ::testing::Test {
   void SetUp() override {
     if (const std::string why = whyNoFileSystems(); !why.empty())
       GTEST_SKIP() << "no file system can be made and mounted here: " << why;
-    writeFile(folder_ / "rig.toml", R"(name = "bench"
-[[camera]]
-id = "cam0"
-backend = "twin"
-settings = { format = "jpeg" }
-[[light]]
-id = "key"
-backend = "twin"
-between = "on"
-[twin]
-specimen = "grey_card"
-size = "64x48"
-)");
-    writeFile(folder_ / "plan.toml", R"(rig = "rig.toml"
-specimen = "card"
-interval = "50ms"
-duration = "3s"
-[[sweep]]
-lights = [["key"]]
-exposures = ["1/100"]
-[disk]
-reserve = "1MB"
-)");
+    plan_ = writeVictimPlan(folder_.path(), "2s");
   }
 
   // Runs the victims one after another on a fresh logged disk; answers how they ended.
@@ -89,7 +66,7 @@ reserve = "1MB"
     disk.end();
   }
   Life patina(const std::string& verb) const {
-    return {{program().string(), verb, (folder_ / "plan.toml").string(), "--quiet"}};
+    return {{program().string(), verb, plan_.string(), "--quiet"}};
   }
   static Life session(const std::vector<std::string>& more, const std::string& duration = "2s",
                       int exit = 0) {
@@ -151,16 +128,6 @@ reserve = "1MB"
     if (check.step() && check.text(0) != "ok") verdict.corrupt.emplace_back(check.text(0));
   }
 
-  static Acked parseAck(const std::string& line) {
-    std::istringstream words(line);
-    std::string ack, run_id;
-    Acked acked;
-    acked.step = -1;
-    words >> ack >> run_id >> acked.shot_id >> acked.shot >> acked.sha256;
-    EXPECT_EQ(acked.sha256.size(), 64u) << line;
-    return acked;
-  }
-
   // How many cuts it takes until a mutant is caught, out of 20; 0: it was not.
   int cutsUntilCaught(const std::string& mutant) {
     // So long that SQLite begins its WAL again: while the WAL grows, its sync carries names along.
@@ -177,7 +144,7 @@ reserve = "1MB"
   }
 
   TempFolder folder_ = TempFolder::inMemory();
-  fs::path work_ = folder_ / "work";
+  fs::path work_ = folder_ / "work", plan_;
   std::size_t acked_ = 0;  // summed over the cuts
 };
 
