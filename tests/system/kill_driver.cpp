@@ -8,12 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <sstream>
-#include <stdexcept>
 
 #include "devices/clock.h"
 #include "processing/image/random.h"
 #include "tests/support/child.h"
+#include "tests/system/victim.h"
 
 namespace patina::testing {
 namespace {
@@ -48,17 +47,6 @@ class Lines {
   std::string text_;
 };
 
-Acked parseAck(const std::string& line) {
-  std::istringstream words(line);
-  std::string ack, run, bytes;
-  Acked acked;
-  acked.step = -1;
-  if (!(words >> ack >> run >> acked.shot_id >> acked.shot >> acked.sha256 >> bytes) ||
-      ack != "ack")
-    throw std::runtime_error("no acknowledgement: " + line);
-  return acked;
-}
-
 }  // namespace
 
 struct KillDriver::Death {
@@ -72,7 +60,8 @@ KillDriver::KillDriver(VictimProgram program, std::uint64_t seed)
 KillDriver::Death KillDriver::chooseDeath(int round, std::vector<std::string>* command) {
   const std::uint64_t own = hashSeed(seed_, round);
   Death death;
-  if (program_.dies_at_points && round % 2 == 0) {
+  if (!program_.point_command.empty() && round % 2 == 0) {
+    *command = program_.point_command;
     const auto point = static_cast<db::CommitPoint>(round / 2 % db::kCommitPointCount);
     command->push_back("--die-at");
     command->push_back(std::string(db::name(point)) + ":" +
@@ -93,8 +82,9 @@ std::vector<std::string> KillDriver::kill(int round) {
   if (::pipe2(ends, O_CLOEXEC) != 0) return {"no pipe"};
   const int acks = ::dup(ends[1]);  // the child's, without close-on-exec
   ::close(ends[1]);
-  std::vector<std::string> command = commandOf(acks);
+  std::vector<std::string> command = program_.command;
   const Death death = chooseDeath(round, &command);
+  fillIn(command, acks);
 
   devices::RealClock clock;
   const MonoTime began = clock.mono();
@@ -140,13 +130,11 @@ std::vector<std::string> KillDriver::judge(bool recovered) const {
   return {};
 }
 
-std::vector<std::string> KillDriver::commandOf(int acks) const {
-  std::vector<std::string> command = program_.command;
+void KillDriver::fillIn(std::vector<std::string>& command, int acks) const {
   for (std::string& word : command) {
-    if (word == "{archive}") word = (folder_ / "archive").string();
+    if (word == "{archive}") word = archive().string();
     if (word == "{acks}") word = std::to_string(acks);
   }
-  return command;
 }
 
 }  // namespace patina::testing

@@ -18,8 +18,9 @@ namespace patina::testing {
 //   ack RUN SHOT_ID FILE_INDEX SHA256 BYTES
 struct VictimProgram {
   std::vector<std::string> command;
-  // It takes "--die-at POINT:N": SIGKILL to itself at the N-th passing of that point of the commit.
-  bool dies_at_points = false;
+  // The same with a hook in it: takes "--die-at POINT:N", which is SIGKILL to itself at the N-th
+  // passing of that point of the commit. Every other life is its; empty: there is none.
+  std::vector<std::string> point_command;
 };
 
 class KillDriver {
@@ -41,7 +42,7 @@ class KillDriver {
   std::vector<std::string> judge(bool recovered) const;
   struct Death;  // how a life ends
   Death chooseDeath(int round, std::vector<std::string>* command);
-  std::vector<std::string> commandOf(int acks) const;
+  void fillIn(std::vector<std::string>& command, int acks) const;
 
   VictimProgram program_;
   std::uint64_t seed_;

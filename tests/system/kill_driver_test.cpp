@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // SIGKILL at random times and at every named point of the commit. PATINA_KILLS is the number for
-// each victim, 25 unless set; PATINA_VICTIM, a command line with the words {archive} and {acks},
-// is killed too when it is set.
+// each victim, 8 to 25 unless set; PATINA_VICTIM, a command line with the words {archive} and
+// {acks}, is killed too when it is set.
 #include "tests/system/kill_driver.h"
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -13,6 +14,7 @@
 #include "processing/image/random.h"
 #include "tests/support/places.h"
 #include "tests/support/temp_folder.h"
+#include "tests/system/victim.h"
 
 namespace patina::testing {
 namespace {
@@ -21,9 +23,9 @@ using ::testing::IsEmpty;
 
 constexpr int kKillsAnArchive = 25;
 
-int killsAskedFor() {
+int killsAskedFor(int unless_set) {
   const char* text = std::getenv("PATINA_KILLS");
-  return text != nullptr ? std::atoi(text) : 25;
+  return text != nullptr ? std::atoi(text) : unless_set;
 }
 
 // Kills `program` so often, on an archive that is made afresh now and then.
@@ -47,74 +49,83 @@ void killOverAndOver(const VictimProgram& program, int kills, std::uint64_t seed
   EXPECT_LT(slowest, std::chrono::seconds(10));
 }
 
+std::vector<std::string> wordsOf(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::vector<std::string> commandOf(const std::filesystem::path& program,
+                                   const std::string& arguments) {
+  std::vector<std::string> command = wordsOf(arguments);
+  command.insert(command.begin(), program.string());
+  return command;
+}
+
 VictimProgram victim(const std::string& name, const std::string& clock) {
-  return {{(programFolder() / name).string(), "--archive", "{archive}", "--log-acks", "{acks}",
-           "--clock", clock},
-          true};
+  const auto command =
+      commandOf(programFolder() / name, "--archive {archive} --log-acks {acks} --clock " + clock);
+  return {command, command};
 }
 
 TEST(KillDriver, FindsNothingLostInAnArchiveOfNoise) {
-  killOverAndOver(victim("commit_victim", "none"), killsAskedFor(), 1);
+  killOverAndOver(victim("commit_victim", "none"), killsAskedFor(25), 1);
 }
 
 TEST(KillDriver, FindsEveryStepOnceInASession) {
-  killOverAndOver(victim("session_victim", "virtual"), killsAskedFor(), 2);
+  killOverAndOver(victim("session_victim", "virtual"), killsAskedFor(25), 2);
 }
 
 TEST(KillDriver, FindsEveryStepOnceInASessionInRealTime) {
-  killOverAndOver(victim("session_victim", "real"), killsAskedFor() / 3, 3);
+  killOverAndOver(victim("session_victim", "real"), killsAskedFor(8), 3);
 }
 
-// `patina` itself, as its user runs it: `words` before the plan, in virtual or real time.
-void killPatina(const std::vector<std::string>& words, int kills, std::uint64_t seed) {
-  const TempFolder folder = TempFolder::inMemory();
-  setenv("RUNTIME_DIRECTORY", (folder / "run").c_str(), 1);  // of the daemon's socket
-  writeFile(folder / "rig.toml", R"(name = "bench"
-[[camera]]
-id = "cam0"
-backend = "twin"
-settings = { format = "jpeg" }
-[[light]]
-id = "key"
-backend = "twin"
-between = "on"
-[twin]
-specimen = "grey_card"
-size = "64x48"
-)");
-  writeFile(folder / "plan.toml", R"(rig = "rig.toml"
-specimen = "card"
-interval = "50ms"
-duration = "24h"
-[[sweep]]
-lights = [["key"]]
-exposures = ["1/100"]
-)");
-  std::vector<std::string> command = {program().string()};
-  command.insert(command.end(), words.begin(), words.end());
-  for (const std::string& word :
-       {(folder / "plan.toml").string(), std::string("--archive"), std::string("{archive}"),
-        std::string("--log-acks"), std::string("{acks}"), std::string("--quiet")})
-    command.push_back(word);
-  killOverAndOver({command}, kills, seed);
-  unsetenv("RUNTIME_DIRECTORY");
+// `patina` itself, as its user runs it.
+class KillPatina : public ::testing::Test {
+ protected:
+  KillPatina() { setenv("RUNTIME_DIRECTORY", (folder_ / "run").c_str(), 1); }  // of the socket
+  ~KillPatina() override { unsetenv("RUNTIME_DIRECTORY"); }
+
+  std::vector<std::string> command(const std::filesystem::path& program,
+                                   const std::string& arguments) const {
+    auto command = commandOf(program, arguments + " {plan} --archive {archive} --log-acks {acks}");
+    std::ranges::replace(command, "{plan}", plan_.string());
+    return command;
+  }
+  VictimProgram patina(const std::string& arguments) const {
+    return {command(program(), arguments + " --quiet"), {}};
+  }
+  VictimProgram daemon(const std::string& how, const std::string& speed) const {
+    return {command(program(), "daemon --quiet --port 0 " + how + " --start"),
+            command(programFolder() / "daemon_victim", "--speed " + speed + " --plan")};
+  }
+
+  const TempFolder folder_ = TempFolder::inMemory();
+  const std::filesystem::path plan_ = writeVictimPlan(folder_.path(), "24h");
+};
+
+TEST_F(KillPatina, FindsNothingLostInARehearsal) {
+  killOverAndOver(patina("rehearse"), killsAskedFor(8), 5);
 }
 
-TEST(KillDriver, FindsNothingLostInARehearsal) { killPatina({"rehearse"}, killsAskedFor() / 3, 5); }
+TEST_F(KillPatina, FindsNothingLostInACapture) {
+  killOverAndOver(patina("capture"), killsAskedFor(8), 6);
+}
 
-TEST(KillDriver, FindsNothingLostInACapture) { killPatina({"capture"}, killsAskedFor() / 3, 6); }
+// In a time that goes fast: less waiting, and as many frames a second as the daemon can commit.
+TEST_F(KillPatina, FindsNothingLostInTheDaemon) {
+  killOverAndOver(daemon("--rehearse --speed 20", "20"), killsAskedFor(14), 7);
+}
 
-TEST(KillDriver, FindsNothingLostInTheDaemon) {
-  killPatina({"daemon", "--port", "0", "--start"}, killsAskedFor() / 3, 7);
+TEST_F(KillPatina, FindsNothingLostInTheDaemonInRealTime) {
+  killOverAndOver(daemon("", "0"), killsAskedFor(4), 8);
 }
 
 TEST(KillDriver, KillsTheVictimItIsGiven) {
   const char* text = std::getenv("PATINA_VICTIM");
   if (text == nullptr) GTEST_SKIP() << "PATINA_VICTIM is unset";
-  VictimProgram program;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) program.command.push_back(word);
-  killOverAndOver(program, killsAskedFor(), 4);
+  killOverAndOver({wordsOf(text), {}}, killsAskedFor(25), 4);
 }
 
 }  // namespace

@@ -45,7 +45,8 @@ void addFrames(const std::filesystem::path& archive, std::int64_t frames) {
 
 TEST(ManyFrames, AreNoReasonToStartSlowlyAfterAKill) {
   KillDriver driver({{(programFolder() / "session_victim").string(), "--archive", "{archive}",
-                      "--log-acks", "{acks}"}},
+                      "--log-acks", "{acks}"},
+                     {}},
                     1);
   // Rounds that kill after some acknowledgements and judge the archive as it lies there.
   ASSERT_THAT(driver.kill(1), IsEmpty());

@@ -25,8 +25,10 @@ constexpr Nanoseconds kRetryEvery = 30s;
 constexpr const char* kMainLoop = "main loop";
 
 // From a frame's bytes to its acknowledgement; points of one frame come on one thread.
-std::function<void(db::CommitPoint)> commitTimer(devices::Clock& real, Broadcast& broadcast) {
-  return [&real, &broadcast](db::CommitPoint point) {
+std::function<void(db::CommitPoint)> commitTimer(devices::Clock& real, Broadcast& broadcast,
+                                                 std::function<void(db::CommitPoint)> then) {
+  return [&real, &broadcast, then = std::move(then)](db::CommitPoint point) {
+    if (then) then(point);
     thread_local std::optional<MonoTime> began;
     if (point == db::CommitPoint::kTmpWritten && !began) began = real.mono();
     if (point != db::CommitPoint::kCommitted || !began) return;
@@ -72,7 +74,7 @@ class Daemon::Impl {
     db::ArchiveOptions opening;
     opening.folder = options.archive;
     opening.owner = options.command;
-    opening.at_point = commitTimer(real, broadcast_);
+    opening.at_point = commitTimer(real, broadcast_, options.at_point);
     archive_ = std::make_unique<db::Archive>(opening);
     broadcast_.logAcks(&acks_);
     keep();

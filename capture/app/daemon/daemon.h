@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "db/archive.h"
 #include "devices/clock.h"
 
 namespace patina::daemon {
@@ -18,14 +19,15 @@ struct DaemonOptions {
   std::filesystem::path archive;
   std::string command;  // as typed: the owner that a second daemon is told of
   std::string version;
-  std::filesystem::path config;                 // daemon.toml; empty: defaults
-  std::filesystem::path plans;                  // above the file's
-  std::optional<int> port;                      // the same
-  double speed = 0;                             // of a rehearsal; 0: real time, real devices
-  std::filesystem::path start;                  // a plan to start, or go on with, at once
-  std::vector<std::string> after_command;       // makes the products of the run named behind it
-  std::string log_acks;                         // of AckLog
-  std::function<void(const std::string&)> say;  // one line for people, any thread
+  std::filesystem::path config;                   // daemon.toml; empty: defaults
+  std::filesystem::path plans;                    // above the file's
+  std::optional<int> port;                        // the same
+  double speed = 0;                               // of a rehearsal; 0: real time, real devices
+  std::filesystem::path start;                    // a plan to start, or go on with, at once
+  std::vector<std::string> after_command;         // makes the products of the run named behind it
+  std::string log_acks;                           // of AckLog
+  std::function<void(const std::string&)> say;    // one line for people, any thread
+  std::function<void(db::CommitPoint)> at_point;  // of ArchiveOptions: may not return
 };
 
 class Daemon {
