@@ -97,9 +97,11 @@ std::optional<UtcTime> unixTime(std::string_view digits) {
   if (digits.size() != 10 && digits.size() != 13) return std::nullopt;
   std::int64_t value = 0;
   for (const char c : digits) value = value * 10 + (c - '0');
-  const UtcTime time{digits.size() == 10 ? Nanoseconds(std::chrono::seconds(value))
-                                         : Nanoseconds(std::chrono::milliseconds(value))};
-  const bool plausible = time >= *dayOf(1990, 1, 1) && time < *dayOf(2099, 1, 1);
+  // Nanoseconds do not hold every thirteen digits.
+  const std::chrono::sys_time<std::chrono::milliseconds> time{
+      std::chrono::milliseconds(digits.size() == 10 ? value * 1000 : value)};
+  const bool plausible = time >= std::chrono::sys_days(std::chrono::year(1990) / 1 / 1) &&
+                         time < std::chrono::sys_days(std::chrono::year(2099) / 1 / 1);
   return plausible ? std::optional<UtcTime>(time) : std::nullopt;
 }
 
@@ -111,9 +113,11 @@ std::optional<UtcTime> countedTime(std::string_view name, const Digits& run, Utc
   std::string word;
   while (end > 0 && std::isalpha(static_cast<unsigned char>(name[end - 1])))
     word.insert(word.begin(), static_cast<char>(std::tolower(name[--end])));
-  if (word == "day" || word == "tag") return origin + std::chrono::hours(24) * number(run.text);
-  if (word == "hour") return origin + std::chrono::hours(number(run.text));
-  return std::nullopt;
+  constexpr int kHoursMax = 100 * 366 * 24;  // nanoseconds hold three centuries
+  const int count = number(run.text), hours_each = word == "hour" ? 1 : 24;
+  if (word != "hour" && word != "day" && word != "tag") return std::nullopt;
+  if (count > kHoursMax / hours_each) return std::nullopt;
+  return origin + std::chrono::hours(count * hours_each);
 }
 
 }  // namespace

@@ -56,7 +56,8 @@ INSTANTIATE_TEST_SUITE_P(
                       NamedTime{"hour12", "2020-01-01T12:00:00Z"}));
 
 TEST(TimeFromNameOf, NothingThatIsNoTime) {
-  for (const char* name : {"frame_0012", "IMG_1234", "2023-13-45", "99999999", "holiday", "", "5"})
+  for (const char* name : {"frame_0012", "IMG_1234", "2023-13-45", "99999999", "holiday", "", "5",
+                           "day 999999", "9681684326615"})
     EXPECT_FALSE(timeFromName(name)) << name;
 }
 
