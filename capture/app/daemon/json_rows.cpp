@@ -107,8 +107,8 @@ T valueOf(const Json& object, const char* key, T fallback) {
     return found->is_string() ? found->template get<std::string>() : fallback;
   else if constexpr (std::same_as<T, bool>)
     return found->is_boolean() ? found->template get<bool>() : fallback;
-  else
-    return found->is_number() ? found->template get<T>() : fallback;
+  else  // 1e300 fits none
+    return found->is_number_integer() ? found->template get<T>() : fallback;
 }
 
 CameraView cameraOf(const Json& object) {
@@ -283,7 +283,8 @@ std::optional<std::pair<int, std::string>> errorOf(const std::string& answer) {
   const Json json = parsed(answer);
   if (!json.is_object() || !json.contains("error") || !json["error"].is_object())
     return std::nullopt;
-  return std::pair{valueOf(json["error"], "exit", 70),
+  const auto exit = valueOf<std::int64_t>(json["error"], "exit", 70);
+  return std::pair{exit >= 0 && exit <= 255 ? static_cast<int>(exit) : 70,
                    valueOf(json["error"], "message", std::string("no reason was given"))};
 }
 

@@ -82,6 +82,12 @@ TEST(JsonRows, AnErrorIsFoundInAnAnswer) {
   ASSERT_TRUE(error);
   EXPECT_EQ(*error, std::pair(75, std::string("busy")));
   EXPECT_FALSE(errorOf("<html>"));
+  EXPECT_EQ(errorOf("{\"error\":{\"exit\":99999999999}}")->first, 70);
+}
+
+TEST(JsonRows, ANumberThatIsNoCountIsNone) {
+  EXPECT_EQ(runOf("{\"id\":\"r\",\"step\":1e300,\"captured\":2}")->status.step, 0);
+  EXPECT_EQ(runOf("{\"id\":\"r\",\"step\":1e300,\"captured\":2}")->status.captured, 2);
 }
 
 TEST(JsonRows, AnswersThatAreNoneAreEmpty) {
