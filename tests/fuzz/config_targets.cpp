@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plans, rigs and fault files.
+// Plans, rigs, fault files and the daemon's own file.
+#include "capture/app/daemon/daemon_config.h"
 #include "capture/plan.h"
 #include "devices/config_file.h"
 #include "devices/fault_plan.h"
@@ -7,10 +8,6 @@
 
 namespace patina::testing {
 namespace {
-
-std::string textOf(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 const devices::RigSpec& smallRig() {
   static const devices::RigSpec kRig = devices::parseRig(
@@ -46,6 +43,15 @@ void fuzzRig(std::span<const std::byte> bytes) {
 void fuzzFaults(std::span<const std::byte> bytes) {
   try {
     devices::checkAgainst(devices::parseFaults(textOf(bytes), "faults.toml"), smallRig());
+  } catch (const devices::ConfigError&) {
+    // Refused, with file, line and key.
+  }
+}
+
+void fuzzDaemonConfig(std::span<const std::byte> bytes) {
+  try {
+    const auto config = daemon::parseDaemonConfig(textOf(bytes), "daemon.toml");
+    PATINA_CHECK(config.port >= 0 && config.port <= 65535);
   } catch (const devices::ConfigError&) {
     // Refused, with file, line and key.
   }

@@ -86,7 +86,7 @@ std::string sealed(const std::string& text) {
 }  // namespace
 
 void fuzzJournal(std::span<const std::byte> bytes) {
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string text = textOf(bytes);
   scan(text);
   scan(sealed(text));
 }

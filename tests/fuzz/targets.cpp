@@ -8,11 +8,24 @@ const std::vector<FuzzTarget>& fuzzTargets() {
       {"plan", fuzzPlan},
       {"rig", fuzzRig},
       {"faults", fuzzFaults},
+      {"daemon_config", fuzzDaemonConfig},
       {"journal", fuzzJournal},
       {"picture_header", fuzzPictureHeader},
       {"lights", fuzzLights},
+      {"picture_names", fuzzPictureNames},
+      {"product_facts", fuzzProductFacts},
+      {"ttf", fuzzTtf},
+      {"http_request", fuzzHttpRequest},
+      {"http_fields", fuzzHttpFields},
+      {"http_events", fuzzHttpEvents},
+      {"kept_tokens", fuzzKeptTokens},
+      {"daemon_json", fuzzDaemonJson},
   };
   return kTargets;
+}
+
+std::string textOf(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 }  // namespace patina::testing

@@ -19,8 +19,19 @@ const std::vector<FuzzTarget>& fuzzTargets();
 void fuzzPlan(std::span<const std::byte> bytes);
 void fuzzRig(std::span<const std::byte> bytes);
 void fuzzFaults(std::span<const std::byte> bytes);
+void fuzzDaemonConfig(std::span<const std::byte> bytes);
 void fuzzJournal(std::span<const std::byte> bytes);
 void fuzzPictureHeader(std::span<const std::byte> bytes);
 void fuzzLights(std::span<const std::byte> bytes);
+void fuzzPictureNames(std::span<const std::byte> bytes);
+void fuzzProductFacts(std::span<const std::byte> bytes);
+void fuzzTtf(std::span<const std::byte> bytes);
+void fuzzHttpRequest(std::span<const std::byte> bytes);
+void fuzzHttpFields(std::span<const std::byte> bytes);
+void fuzzHttpEvents(std::span<const std::byte> bytes);
+void fuzzKeptTokens(std::span<const std::byte> bytes);
+void fuzzDaemonJson(std::span<const std::byte> bytes);
+
+std::string textOf(std::span<const std::byte> bytes);
 
 }  // namespace patina::testing

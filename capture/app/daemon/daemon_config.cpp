@@ -17,9 +17,13 @@ std::string toldOf(const DaemonConfig& was, const DaemonConfig& is) {
 }  // namespace
 
 DaemonConfig readDaemonConfig(const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  return parseDaemonConfig(devices::ConfigFile::readText(file), file);
+}
+
+DaemonConfig parseDaemonConfig(const std::string& toml, const std::filesystem::path& source) {
   DaemonConfig config;
-  if (file.empty()) return config;
-  devices::ConfigTable table = devices::ConfigFile::read(file);
+  devices::ConfigTable table = devices::ConfigFile::parse(toml, source);
   config.plans = table.takePath("plans", std::filesystem::path());
   config.listen = table.takeString("listen", config.listen);
   config.port = static_cast<int>(table.takeInteger("port", 0, 65535, config.port));

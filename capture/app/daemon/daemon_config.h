@@ -21,6 +21,7 @@ struct DaemonConfig {
 // daemon.toml. Throws devices::ConfigError: file, line, key, allowed range. An empty path gives the
 // defaults.
 DaemonConfig readDaemonConfig(const std::filesystem::path& file);
+DaemonConfig parseDaemonConfig(const std::string& toml, const std::filesystem::path& source);
 
 // Thread-safe.
 class LiveConfig {

@@ -30,6 +30,7 @@ bool isTokenName(const std::string& name);  // 1 to 64 of [A-Za-z0-9._-], no lea
 // A file of lines "NAME ROLE SHA256". A file that is not there holds none; one that others may read
 // or write, or that does not parse, is HttpError(kConfig).
 std::vector<KeptToken> readKeptTokens(const std::filesystem::path& file);
+std::vector<KeptToken> parseKeptTokens(const std::string& text, const std::string& source);
 // Whole or not at all, mode 0600.
 void writeKeptTokens(const std::filesystem::path& file, const std::vector<KeptToken>& tokens);
 // Adds a token to the file, without a server, and gives it, this once. HttpError(kUsage) when the

@@ -41,12 +41,15 @@ bool isTokenName(const std::string& name) {
 }
 
 std::vector<KeptToken> readKeptTokens(const std::filesystem::path& file) {
-  const auto text = readPrivateFile(file, kFileBytesMax);
+  return parseKeptTokens(readPrivateFile(file, kFileBytesMax).value_or(""), file.string());
+}
+
+std::vector<KeptToken> parseKeptTokens(const std::string& text, const std::string& source) {
   std::vector<KeptToken> tokens;
-  std::istringstream lines(text.value_or(""));
+  std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number)
-    tokens.push_back(parseLine(line, file.string() + ":" + std::to_string(number)));
+    tokens.push_back(parseLine(line, source + ":" + std::to_string(number)));
   return tokens;
 }
 
