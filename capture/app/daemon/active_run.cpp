@@ -6,8 +6,13 @@
 
 namespace patina::daemon {
 
-ActiveRun::ActiveRun(RunObserver& observer, const db::RunRow& run, std::filesystem::path plan)
-    : observer_(observer), run_(run), plan_(std::move(plan)), paused_(run.state == "paused") {
+ActiveRun::ActiveRun(RunObserver& observer, Spawner& spawner, const db::RunRow& run,
+                     std::filesystem::path plan)
+    : observer_(observer),
+      spawner_(spawner),
+      run_(run),
+      plan_(std::move(plan)),
+      paused_(run.state == "paused") {
   view_.id = run.id;
   view_.specimen = run.specimen;
   view_.plan = plan_.string();
@@ -34,7 +39,7 @@ void ActiveRun::begin(std::function<void(ActiveRun&, const capture::SessionHooks
     view_.trouble.clear();
   }
   observer_.onRun(view());
-  thread_ = std::thread([this, session = std::move(session)] {
+  thread_ = spawner_.start([this, session = std::move(session)] {
     observer_.onSession(run_.id, Phase::kBegins);
     session(*this, hooks());
     observer_.onSession(run_.id, Phase::kEnds);

@@ -10,12 +10,14 @@
 
 #include "capture/app/daemon/run_files.h"
 #include "capture/app/daemon/run_view.h"
+#include "capture/app/daemon/spawner.h"
 
 namespace patina::daemon {
 
 class ActiveRun {
  public:
-  ActiveRun(RunObserver& observer, const db::RunRow& run, std::filesystem::path plan);
+  ActiveRun(RunObserver& observer, Spawner& spawner, const db::RunRow& run,
+            std::filesystem::path plan);
   ~ActiveRun();  // stops and joins
   ActiveRun(const ActiveRun&) = delete;
   ActiveRun& operator=(const ActiveRun&) = delete;
@@ -48,6 +50,7 @@ class ActiveRun {
   void take(const db::FrameRow& frame);
 
   RunObserver& observer_;
+  Spawner& spawner_;
   const db::RunRow run_;
   const std::filesystem::path plan_;
   std::atomic<bool> paused_{false}, shoot_{false}, working_{false}, stopping_{false};

@@ -69,7 +69,7 @@ std::filesystem::path RunKeeper::planOf(const std::string& run_id) const {
 }
 
 RunKeeper::Run RunKeeper::adopt(const db::RunRow& row) {
-  auto run = std::make_shared<ActiveRun>(options_.observer, row, planOf(row.id));
+  auto run = std::make_shared<ActiveRun>(options_.observer, spawner_, row, planOf(row.id));
   runs_[row.id] = run;
   return run;
 }

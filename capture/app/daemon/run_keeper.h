@@ -15,6 +15,7 @@
 
 #include "capture/app/daemon/run_files.h"
 #include "capture/app/daemon/run_view.h"
+#include "capture/app/daemon/spawner.h"
 #include "capture/notify/dispatcher.h"
 #include "db/archive.h"
 #include "devices/clock.h"
@@ -39,6 +40,7 @@ struct KeeperOptions {
 // db::ArchiveError, devices::ConfigError; then nothing has changed.
 class RunKeeper {
  public:
+  // Sessions have the priority of this thread, or a better one (spawner.h).
   explicit RunKeeper(KeeperOptions options);
   ~RunKeeper();  // as shutDown()
 
@@ -85,6 +87,7 @@ class RunKeeper {
   RunView endBy(const std::string& run, const std::string& state);
 
   KeeperOptions options_;
+  Spawner spawner_;
   std::atomic<bool> broken_{false};
   mutable std::recursive_mutex mutex_;  // guards runs_; the observer may ask us
   bool shut_ = false;

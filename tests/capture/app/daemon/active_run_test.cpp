@@ -24,7 +24,8 @@ db::ShotRow shotBy(const std::string& camera, db::ShotState state) {
 
 TEST(ActiveRun, KnowsOfEachCameraWhatItDidAndItsNewestFrame) {
   Watcher watcher;
-  ActiveRun run(watcher, row("running"), "plan.toml");
+  Spawner spawner;
+  ActiveRun run(watcher, spawner, row("running"), "plan.toml");
   run.begin([](ActiveRun&, const capture::SessionHooks& hooks) {
     hooks.on_shot(shotBy("cam0", db::ShotState::kFailed));
     hooks.on_shot(shotBy("cam1", db::ShotState::kCaptured));
@@ -48,7 +49,8 @@ TEST(ActiveRun, KnowsOfEachCameraWhatItDidAndItsNewestFrame) {
 TEST(ActiveRun, BeginsPausedWhenItWas) {
   Watcher watcher;
   bool paused = false;
-  ActiveRun run(watcher, row("paused"), "plan.toml");
+  Spawner spawner;
+  ActiveRun run(watcher, spawner, row("paused"), "plan.toml");
   run.begin([&](ActiveRun&, const capture::SessionHooks& hooks) { paused = *hooks.paused; });
   watcher.waitForEnd("r");
   EXPECT_TRUE(paused);
@@ -56,7 +58,8 @@ TEST(ActiveRun, BeginsPausedWhenItWas) {
 
 TEST(ActiveRun, AnAbortIsAStopToo) {
   Watcher watcher;
-  ActiveRun run(watcher, row("running"), "plan.toml");
+  Spawner spawner;
+  ActiveRun run(watcher, spawner, row("running"), "plan.toml");
   run.begin([&](ActiveRun& self, const capture::SessionHooks& hooks) {
     self.askToAbort();
     EXPECT_TRUE(hooks.stop.stop_requested());
@@ -67,7 +70,8 @@ TEST(ActiveRun, AnAbortIsAStopToo) {
 
 TEST(ActiveRun, CanBeginAgain) {
   Watcher watcher;
-  ActiveRun run(watcher, row("running"), "plan.toml");
+  Spawner spawner;
+  ActiveRun run(watcher, spawner, row("running"), "plan.toml");
   run.begin([](ActiveRun& self, const capture::SessionHooks&) { self.askToStop(); });
   watcher.waitForEnd("r");
   watcher.begin("r");
@@ -79,7 +83,8 @@ TEST(ActiveRun, CanBeginAgain) {
 
 TEST(ActiveRun, TheSameTroubleIsNewsOnce) {
   Watcher watcher;
-  ActiveRun run(watcher, row("running"), "plan.toml");
+  Spawner spawner;
+  ActiveRun run(watcher, spawner, row("running"), "plan.toml");
   EXPECT_TRUE(run.setTrouble("gone"));
   EXPECT_FALSE(run.setTrouble("gone"));
   EXPECT_TRUE(run.setTrouble("full"));

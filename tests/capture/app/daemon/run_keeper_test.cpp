@@ -2,8 +2,12 @@
 #include "capture/app/daemon/run_keeper.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <latch>
+#include <thread>
 
 #include "tests/capture/app/daemon/bench.h"
 #include "tests/capture/notify/receiver.h"
@@ -30,6 +34,21 @@ TEST(RunKeeper, RunsAPlanToItsEndAndAsksForItsProducts) {
   EXPECT_EQ(bench.decisions(id), times(12, "captured"));
   EXPECT_THAT(bench.finished, ::testing::ElementsAre(id));
   EXPECT_THAT(bench.keeper->runs(), IsEmpty());
+}
+
+// HTTP's handlers run at nice 10, for good: capture must not.
+TEST(RunKeeper, ARunDoesNotInheritTheLowPriorityOfWhoStartsIt) {
+  Bench bench;
+  const auto self = [] { return static_cast<id_t>(syscall(SYS_gettid)); };
+  int shot_at = 99;
+  bench.watcher.on_frame = [&](const std::string&, int) {
+    shot_at = getpriority(PRIO_PROCESS, self());
+  };
+  std::thread([&] {
+    setpriority(PRIO_PROCESS, self(), 15);
+    bench.watcher.waitForEnd(bench.start().id);
+  }).join();
+  EXPECT_LE(shot_at, getpriority(PRIO_PROCESS, self()));
 }
 
 TEST(RunKeeper, StartingAPlanThatIsGoingOnIsTheSameRun) {
@@ -194,20 +213,24 @@ TEST(RunKeeper, ADeviceThatAnotherRunHoldsIsRefusedByThatRunsName) {
 TEST(RunKeeper, RunsWhoseDevicesDoNotOverlapGoOnAtOnce) {
   Bench bench;
   writePlan(bench.folder, "other", "cam1", "fill");
-  // The first waits in its third frame until the second has gone from its start to its end.
-  std::latch waiting{1}, ended{1};
+  // The first waits in its third frame until the second has gone from its start to its end, and
+  // that one until both were seen.
+  std::latch waiting{1}, seen{1}, ended{1};
   std::string first;
   bench.watcher.on_frame = [&](const std::string& run, int count) {
     if (count == 3) {
       first = run;
       waiting.count_down();
       ended.wait();
+    } else if (count > 3 && run != first) {
+      seen.wait();
     }
   };
   bench.start();
   waiting.wait();
   const std::string second = bench.start("other").id;
   EXPECT_THAT(bench.keeper->runs(), SizeIs(2));
+  seen.count_down();
   bench.watcher.waitForEnd(second);
   EXPECT_EQ(bench.decisions(second), times(12, "captured"));
   EXPECT_EQ(bench.stateOf(first), "running");
