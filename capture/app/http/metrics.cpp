@@ -148,9 +148,12 @@ std::string Metrics::text() {
     const std::lock_guard lock(collect_mutex_);
     for (const auto& collect : collectors_) collect(*this);
   }
-  const std::lock_guard lock(mutex_);
   std::string text;
-  for (const auto& [name, family] : families_) text += family->text();
+  for (const auto& [name, family] : families_) {
+    // Not over all of them: capture counts too, and a scrape is written at the lowest priority.
+    const std::lock_guard lock(mutex_);
+    text += family->text();
+  }
   return text;
 }
 
