@@ -105,8 +105,10 @@ void refuseForeign(Database& database) {
 
 }  // namespace
 
+// The page cache fills with the pages of a run's rows: what it may take is what a daemon of weeks
+// grows by. Pages that fell out of it come from the kernel's.
 void configureWriter(Database& database, Durability durability) {
-  database.run("PRAGMA temp_store=MEMORY; PRAGMA cache_size=-16384; PRAGMA foreign_keys=ON");
+  database.run("PRAGMA temp_store=MEMORY; PRAGMA cache_size=-4096; PRAGMA foreign_keys=ON");
   refuseForeign(database);
   refuseNewer(database, versionOf(database));
   database.run("PRAGMA journal_mode=WAL; PRAGMA wal_autocheckpoint=2000");
