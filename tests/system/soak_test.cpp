@@ -11,7 +11,7 @@
 #include "db/archive_reader.h"
 #include "devices/scaled_clock.h"
 #include "tests/capture/app/rehearsed.h"
-#include "tests/system/resources.h"
+#include "tests/support/resources.h"
 
 namespace patina::testing {
 namespace {
