@@ -14,8 +14,10 @@
 namespace patina::http {
 namespace {
 
-// libmicrohttpd keeps a request's header and its answer's in one block of this size.
-constexpr std::size_t kConnectionBytes = 40 << 10, kStackBytes = 256 << 10;
+// libmicrohttpd keeps a request's header and its answer's in one block of this size. One larger
+// than 32 KiB it would map and unmap with each connection, under the lock of the whole address
+// space.
+constexpr std::size_t kConnectionBytes = 32 << 10, kStackBytes = 256 << 10;
 constexpr std::size_t kStreamBlockBytes = 4 << 10;
 // Seconds without a byte; the deadlines of connections.h come first.
 constexpr unsigned kSilenceBackstopS = 120;

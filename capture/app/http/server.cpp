@@ -27,13 +27,13 @@ namespace {
 constexpr int kNiceness = 10;  // below capture, which runs at 0 or better
 constexpr std::size_t kEpochDigits = 8;
 
-// For this thread and those it makes. Signals are for the thread that waits for them.
-void stepBack() {
+// Both for this thread and those it makes. Signals are for the thread that waits for them.
+void leaveSignals() {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, nullptr);
-  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness);
 }
+void stepBack() { setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness); }
 
 // Nothing is read, bound or written when the options do not go together.
 void check(const ServerOptions& options, const Credentials& credentials) {
@@ -140,9 +140,14 @@ class Server::Impl {
 
   // The thread that owns all others, keeps the deadlines and ends it all in order.
   void run(const std::stop_token& stop, std::vector<Route>& routes, std::promise<void>& started) {
-    stepBack();
+    leaveSignals();
     bool is_started = false;
     try {
+      // Handlers hold locks that capture needs, those of SQLite above all, and are admitted by
+      // token: they keep the daemon's priority, or a busy machine would let capture wait for a
+      // thread that it does not let run. What strangers can make work for steps back.
+      WorkerPool workers(options_.limits.workers);
+      stepBack();
       const RouteTable table = tableOf(std::move(routes));
       const Gate gate({.scheme = overTls() ? "https" : "http",
                        .hosts = allowedHosts(port_, options_.host_names, overTls()),
@@ -153,7 +158,6 @@ class Server::Impl {
       ByteBudget budget(options_.limits.bytes_in_flight);
       const AnswerMaker answers(options_.archive, budget);
       events_.emplace(options_.limits.events, newToken().substr(0, kEpochDigits));
-      WorkerPool workers(options_.limits.workers);
       const Desk desk{gate,   answers,  connections_, *events_,       workers,
                       budget, metrics_, clock_,       options_.limits};
       std::unique_ptr<Listener> tcp, local;
