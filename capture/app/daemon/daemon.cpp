@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/app/daemon/daemon.h"
 
+#include <malloc.h>
+
 #include <mutex>
 
 #include "capture/app/daemon/after_retries.h"
@@ -37,6 +39,14 @@ std::function<void(db::CommitPoint)> commitTimer(devices::Clock& real, Broadcast
   };
 }
 
+// Heaps keep what they have. To give memory back and take it again is done under the lock of the
+// whole address space, and a thread of HTTP that holds it may not be let run for long. Bodies of
+// requests are larger than what is kept.
+void keepHeaps() {
+  mallopt(M_TRIM_THRESHOLD, 32 << 20);
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+}
+
 bool hasProductsDue(const db::RunRow& run) {
   if (run.state != "finished" || run.boot_id == "import") return false;
   try {
@@ -69,6 +79,7 @@ class Daemon::Impl {
         watchdog_(real),
         broadcast_(metrics_, watchdog_),
         acks_(options.log_acks) {
+    keepHeaps();
     if (options.speed > 0) scaled_ = std::make_unique<devices::ScaledClock>(real, options.speed);
     started_ = clock().utc();
     db::ArchiveOptions opening;

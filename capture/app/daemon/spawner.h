@@ -15,8 +15,8 @@ namespace patina::daemon {
 
 class Spawner {
  public:
-  // Its threads have the priority of the caller, or nice -10 where we may: then a busy machine
-  // wakes them first. Cameras' workers, made by sessions, come after them.
+  // Its threads have the priority of the caller, or nice -10 where we may, and short slices: then a
+  // busy machine wakes them first. So have the workers of cameras, which sessions make.
   Spawner();
   ~Spawner();  // its threads go on
   Spawner(const Spawner&) = delete;
