@@ -89,8 +89,11 @@ class Flood {
       sockaddr_in from{};
       from.sin_family = AF_INET;
       from.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 0x200 + static_cast<std::uint32_t>(i % 50));
-      bind(all.back().fd(), reinterpret_cast<const sockaddr*>(&from), sizeof from);
-      connect(all.back().fd(), reinterpret_cast<const sockaddr*>(&to), sizeof to);
+      if (bind(all.back().fd(), reinterpret_cast<const sockaddr*>(&from), sizeof from) != 0)
+        continue;
+      // Not waited for.
+      static_cast<void>(
+          connect(all.back().fd(), reinterpret_cast<const sockaddr*>(&to), sizeof to));
       send(all.back().fd(), "GET / HTTP/1.1\r\nX", 17, MSG_NOSIGNAL);
       ++crowd_;
     }
