@@ -26,8 +26,7 @@ class Watcher : public RunObserver {
     views_.push_back(view);
     changed_.notify_all();
   }
-  void onFrame(const std::string& run_id, const std::string& camera,
-               const db::FrameRow& frame) override {
+  void onFrame(const std::string& run_id, const std::string& camera, const db::FrameRow&) override {
     int count = 0;
     {
       const std::lock_guard lock(mutex_);
@@ -36,7 +35,6 @@ class Watcher : public RunObserver {
       changed_.notify_all();
     }
     if (on_frame) on_frame(run_id, count);
-    static_cast<void>(frame);
   }
   void onStep(const db::StepRow& step) override {
     if (on_step) on_step(step);
@@ -45,7 +43,6 @@ class Watcher : public RunObserver {
     const std::lock_guard lock(mutex_);
     events_.push_back(event.kind + " " + event.detail);
   }
-
   void onAlert(const std::string&, const capture::AlertNews& news) override {
     const std::lock_guard lock(mutex_);
     alerts_.push_back(std::string(capture::name(news.event)) + " " + capture::name(news.kind));
@@ -64,10 +61,7 @@ class Watcher : public RunObserver {
     const std::lock_guard lock(mutex_);
     return events_;
   }
-  std::vector<std::string> alerts() const {
-    const std::lock_guard lock(mutex_);
-    return alerts_;
-  }
+  std::vector<std::string> alerts() const { return alerts_; }  // of runs that have ended
   std::vector<RunView> views() const {
     const std::lock_guard lock(mutex_);
     return views_;
