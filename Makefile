@@ -3,7 +3,7 @@
 JOBS ?= $(shell nproc)
 export CTEST_PARALLEL_LEVEL ?= $(JOBS)
 
-.PHONY: all packages build demo test test-long test-powercut test-asan fuzz bench lint clean
+.PHONY: all packages build demo test test-long test-powercut test-asan test-tsan fuzz bench lint clean
 
 all: build
 
@@ -27,7 +27,7 @@ test-long: build
 test-powercut: build
 	@ctest --preset long -L '^powercut$$' -V
 
-# SECONDS=900 make fuzz: each reader of others' bytes so long under libFuzzer.
+# SECONDS=900 make fuzz: each reader of others' bytes for so much processor time under libFuzzer.
 SECONDS ?= 60
 fuzz:
 	@packaging/install-packages.sh fuzz
@@ -40,6 +40,12 @@ test-asan: packages
 	@cmake --preset asan-ubsan >/dev/null
 	@cmake --build --preset asan-ubsan -j $(JOBS) --target tests-db tests-capture
 	@ctest --preset asan-ubsan -j $(JOBS) -L '^(db|capture)$$'
+
+# What has threads of its own, under ThreadSanitizer: camera workers, the daemon, its front door, what it tells people.
+test-tsan: packages
+	@cmake --preset tsan >/dev/null
+	@cmake --build --preset tsan -j $(JOBS) --target capture_tests sim_tests http_test daemon_test notify_tests
+	@ctest --preset tsan -j $(JOBS) -R '^(capture_tests|sim_tests|http_test|daemon_test|notify_tests)'
 
 bench: packages
 	@cmake --preset release >/dev/null
