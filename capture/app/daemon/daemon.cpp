@@ -193,7 +193,7 @@ void Daemon::Impl::listen() {
 // "; tried again in 10min". What fails is an alert until a try of ours makes it.
 std::string Daemon::Impl::tryAgain(const std::string& run_id, const std::string& trouble) {
   const auto wait = retries_.failed(run_id, real_.mono());
-  const std::string next = wait ? "; tried again in " + capture::formatLasted(*wait)
+  std::string next = wait ? "; tried again in " + capture::formatLasted(*wait)
                                 : "; given up: `patina run after " + run_id + "` says why";
   broadcast_.warn(productsOf(run_id), trouble + next, clock().utc());
   return next;
