@@ -74,7 +74,7 @@ function(patina_test target)
     # PATINA_TEST_DATA and PATINA_UPDATE_GOLDEN come through from the caller's environment.
     set_tests_properties(${entry} PROPERTIES
       LABELS "${folder};${arg_LABELS}" TIMEOUT ${arg_TIMEOUT} RESOURCE_LOCK "${arg_RESOURCE_LOCK}"
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard};GTEST_BRIEF=1;GTEST_OUTPUT=json:${PROJECT_BINARY_DIR}/test_reports/${entry}.json;PATINA_PROGRAM=${PROJECT_BINARY_DIR}/patina;UBSAN_OPTIONS=print_stacktrace=1;${arg_ENVIRONMENT}")
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard};GTEST_BRIEF=1;GTEST_OUTPUT=json:${PROJECT_BINARY_DIR}/test_reports/${entry}.json;PATINA_PROGRAM=${PROJECT_BINARY_DIR}/patina;UBSAN_OPTIONS=print_stacktrace=1;TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/packaging/tsan.supp;${arg_ENVIRONMENT}")
     set_property(GLOBAL APPEND PROPERTY PATINA_TEST_ENTRIES ${entry})
   endforeach()
 endfunction()
