@@ -63,7 +63,7 @@ class DaemonTest : public ::testing::Test {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return said_.find(words) != std::string::npos; });
     }
-    const std::string alerts =
+    std::string alerts =
         http::Client(placesToCall(options.archive).socket).call("GET", "/api/v1/alerts").body;
     stop.request_stop();
     thread.join();
