@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "db/archive.h"
 #include "db/database.h"
 #include "tests/support/places.h"
 #include "tests/system/kill_driver.h"
@@ -23,6 +24,11 @@ std::int64_t framesAskedFor() {
 // As many steps of one frame each, behind those of the run that is there. Rows only: nobody opens
 // an old frame to go on, and the files are marked missing.
 void addFrames(const std::filesystem::path& archive, std::int64_t frames) {
+  {
+    db::ArchiveOptions options;
+    options.folder = archive;
+    const db::Archive recovered(options);  // a step may be in the journal alone
+  }
   db::Database database(archive / "catalog.sqlite", db::Database::Access::kWrite,
                         db::realFileOps());
   database.run("PRAGMA synchronous=OFF; PRAGMA foreign_keys=OFF; PRAGMA cache_size=-262144");
