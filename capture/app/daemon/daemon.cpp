@@ -194,7 +194,7 @@ void Daemon::Impl::listen() {
 std::string Daemon::Impl::tryAgain(const std::string& run_id, const std::string& trouble) {
   const auto wait = retries_.failed(run_id, real_.mono());
   std::string next = wait ? "; tried again in " + capture::formatLasted(*wait)
-                                : "; given up: `patina run after " + run_id + "` says why";
+                          : "; given up: `patina run after " + run_id + "` says why";
   broadcast_.warn(productsOf(run_id), trouble + next, clock().utc());
   return next;
 }
