@@ -54,12 +54,41 @@ Form formAskedFor() {
   return form;
 }
 
+// The trouble as it was: a pause begins and ends at the steps its events name, for the word of a
+// person may be late on a busy machine; the run must still have heeded each, and soon.
+std::vector<Injected> asHeeded(const Form& form, const std::vector<db::EventRow>& events) {
+  std::vector<std::int64_t> begun, ended;
+  for (const db::EventRow& event : events) {
+    if (event.kind != "paused" && event.kind != "continued") continue;
+    const std::int64_t step = std::stoll(event.detail.substr(event.detail.rfind(' ') + 1));
+    (event.kind == "paused" ? begun : ended).push_back(step);
+  }
+  constexpr std::int64_t kLateAtMost = 2;  // steps
+  std::vector<Injected> heeded = form.injected;
+  std::size_t n = 0;
+  for (Injected& trouble : heeded) {
+    if (trouble.kind != Injected::kPaused) continue;
+    if (n >= begun.size() || n >= ended.size()) {
+      ADD_FAILURE() << "not heeded: the pause of step " << trouble.from;
+      break;
+    }
+    EXPECT_TRUE(begun[n] >= trouble.from && begun[n] <= trouble.from + kLateAtMost) << begun[n];
+    EXPECT_TRUE(ended[n] >= trouble.to && ended[n] <= trouble.to + kLateAtMost) << ended[n];
+    trouble.from = begun[n];
+    trouble.to = ended[n++];
+  }
+  EXPECT_EQ(begun.size(), n);
+  EXPECT_EQ(ended.size(), n);
+  return heeded;
+}
+
 // What becomes of each step, derived by hand: whatever falls due while something is wrong, and
 // nothing else, has the decision of its trouble.
-std::map<std::int64_t, db::Decision> derivedByHand(const Form& form) {
+std::map<std::int64_t, db::Decision> derivedByHand(std::int64_t steps,
+                                                   const std::vector<Injected>& injected) {
   std::map<std::int64_t, db::Decision> decisions;
-  for (std::int64_t k = 0; k < form.steps; ++k) decisions[k] = db::Decision::kCaptured;
-  for (const Injected& trouble : form.injected)
+  for (std::int64_t k = 0; k < steps; ++k) decisions[k] = db::Decision::kCaptured;
+  for (const Injected& trouble : injected)
     for (std::int64_t k = trouble.from; k < trouble.to; ++k) {
       constexpr db::Decision kBecomes[] = {db::Decision::kFailed, db::Decision::kHeld,
                                            db::Decision::kMissed, db::Decision::kSkipped,
@@ -262,11 +291,12 @@ void Soak::judgeSamples() {
 }
 
 void Soak::judgeSteps() {
-  const auto expected = derivedByHand(form_);
+  const db::ArchiveReader archive(archive_);
+  const auto expected = derivedByHand(form_.steps, asHeeded(form_, archive.events(run_)));
   std::map<std::int64_t, db::Decision> found;
   std::map<db::Decision, std::int64_t> counts;
   std::int64_t frames = 0, retries = 0;
-  for (const db::StepRow& step : db::ArchiveReader(archive_).steps(run_)) {
+  for (const db::StepRow& step : archive.steps(run_)) {
     ASSERT_TRUE(step.number);
     ++counts[step.decision];
     frames += step.shots_captured;
