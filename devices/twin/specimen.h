@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "processing/brdf/abc.h"
 #include "processing/image/image.h"
 
 namespace patina::devices::twin {
@@ -81,6 +82,14 @@ class PreparedSurface {
   virtual void rowAt(double time, int y, SurfaceRow& row) const = 0;  // O(width)
 };
 
+// Gloss taken from measured materials: the specular part of a texel's reflectance is
+// mix(fresh, aged, degree), in place of GGX. The diffuse part comes from the row as ever; the row's
+// specular and roughness hold the nearest GGX equivalents (brdf::nearestGgx), mixed likewise, for
+// whoever knows no other model.
+struct MeasuredReflectance {
+  brdf::AbcLobe fresh, aged;
+};
+
 // Thread-safe for reading; pure in (seed, time, grid). `time` is the share of the process's
 // duration in [0,1]; any time at once, without the ones before. Resolution-independent.
 class Specimen {
@@ -90,6 +99,8 @@ class Specimen {
   virtual std::shared_ptr<const PreparedSurface> prepare(const SampleGrid& grid) const = 0;
   // Truth on the regular grid of `size`, which stays prepared until another size is asked for.
   virtual SurfaceMaps surfaceAt(double time, SizePx size) const = 0;
+  // Not null: see MeasuredReflectance. Lives as long as the specimen.
+  virtual const MeasuredReflectance* measured() const { return nullptr; }
 };
 
 std::vector<SpecimenInfo> listSpecimens();
