@@ -12,28 +12,50 @@
 namespace patina::devices {
 namespace {
 
-struct KindName {
+struct KindFacts {
   FaultKind kind;
   const char* name;
+  FaultPlace place;
+  bool in_world;
+  double least = 0, most = 0;  // of the amount; alike: it has none
 };
-constexpr std::array kKinds{KindName{FaultKind::kHang, "hang"},
-                            KindName{FaultKind::kBusy, "busy"},
-                            KindName{FaultKind::kLost, "lost"},
-                            KindName{FaultKind::kPartialFile, "partial_file"},
-                            KindName{FaultKind::kDuplicate, "duplicate"},
-                            KindName{FaultKind::kLate, "late"},
-                            KindName{FaultKind::kStaleFrame, "stale_frame"},
-                            KindName{FaultKind::kWrongSize, "wrong_size"},
-                            KindName{FaultKind::kCorruptBytes, "corrupt_bytes"},
-                            KindName{FaultKind::kLampDead, "lamp_dead"},
-                            KindName{FaultKind::kLampDrift, "lamp_drift"},
-                            KindName{FaultKind::kLampStep, "lamp_step"},
-                            KindName{FaultKind::kSensorSilent, "sensor_silent"},
-                            KindName{FaultKind::kPowerCut, "power_cut"}};
+constexpr std::array kKinds{
+    KindFacts{FaultKind::kHang, "hang", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kBusy, "busy", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kLost, "lost", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kPartialFile, "partial_file", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kDuplicate, "duplicate", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kLate, "late", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kStaleFrame, "stale_frame", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kWrongSize, "wrong_size", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kCorruptBytes, "corrupt_bytes", FaultPlace::kCamera, false},
+    KindFacts{FaultKind::kLampDead, "lamp_dead", FaultPlace::kLight, true},
+    KindFacts{FaultKind::kLampDrift, "lamp_drift", FaultPlace::kLight, true, -1, 10},
+    KindFacts{FaultKind::kLampStep, "lamp_step", FaultPlace::kLight, true, -1, 10},
+    KindFacts{FaultKind::kWrongLamp, "wrong_lamp", FaultPlace::kLight, true},
+    KindFacts{FaultKind::kLightsMirrored, "lights_mirrored", FaultPlace::kLight, true},
+    KindFacts{FaultKind::kCameraBumped, "camera_bumped", FaultPlace::kCamera, true, 0, 1000},
+    KindFacts{FaultKind::kFocusCreep, "focus_creep", FaultPlace::kCamera, true, 0, 1000},
+    KindFacts{FaultKind::kCondensation, "condensation", FaultPlace::kCamera, true, 0, 1},
+    KindFacts{FaultKind::kHand, "hand", FaultPlace::kCamera, true},
+    KindFacts{FaultKind::kInsect, "insect", FaultPlace::kCamera, true},
+    KindFacts{FaultKind::kPatchSoiled, "patch_soiled", FaultPlace::kCamera, true, 0, 1},
+    KindFacts{FaultKind::kPatchSnowed, "patch_snowed", FaultPlace::kCamera, true, 0, 1},
+    KindFacts{FaultKind::kPatchOvergrown, "patch_overgrown", FaultPlace::kCamera, true, 0, 1},
+    KindFacts{FaultKind::kSpecimenBumped, "specimen_bumped", FaultPlace::kSpecimen, true, 0, 1000},
+    KindFacts{FaultKind::kSpecimenWarps, "specimen_warps", FaultPlace::kSpecimen, true, 0, 0.5},
+    KindFacts{FaultKind::kSensorStuck, "sensor_stuck", FaultPlace::kSensor, true},
+    KindFacts{FaultKind::kSensorSaturated, "sensor_saturated", FaultPlace::kSensor, true},
+    KindFacts{FaultKind::kSensorSilent, "sensor_silent", FaultPlace::kSensor, false},
+    KindFacts{FaultKind::kPowerCut, "power_cut", FaultPlace::kRig, false}};
+
+const KindFacts& factsOf(FaultKind kind) {
+  return *std::ranges::find(kKinds, kind, &KindFacts::kind);
+}
 
 std::vector<std::string> kindNames() {
   std::vector<std::string> names;
-  for (const KindName& known : kKinds) names.emplace_back(known.name);
+  for (const KindFacts& known : kKinds) names.emplace_back(known.name);
   return names;
 }
 
@@ -43,12 +65,12 @@ Fault takeFault(ConfigTable& table) {
   fault.device = table.takeId("device");
   fault.kind = parseFaultKind(table.takeChoice("kind", kindNames()));
   fault.line = table.line();
-  const bool of_lamp = isLampFault(fault.kind),
-             changes_level = of_lamp && fault.kind != FaultKind::kLampDead;
+  const KindFacts& facts = factsOf(fault.kind);
   fault.duration =
-      of_lamp ? table.takeDuration("duration", Nanoseconds{1}, kFaultForEver, kFaultForEver)
-              : table.takeDuration("duration", Nanoseconds{0}, kFaultForEver, Nanoseconds{0});
-  if (changes_level) fault.amount = table.takeNumber("amount", -1, 10);
+      facts.in_world
+          ? table.takeDuration("duration", Nanoseconds{1}, kFaultForEver, kFaultForEver)
+          : table.takeDuration("duration", Nanoseconds{0}, kFaultForEver, Nanoseconds{0});
+  if (facts.least < facts.most) fault.amount = table.takeNumber("amount", facts.least, facts.most);
   table.finish();
   return fault;
 }
@@ -70,30 +92,21 @@ FaultPlan parseFaults(const std::string& toml, const std::filesystem::path& sour
 }
 
 FaultKind parseFaultKind(const std::string& name) {
-  for (const KindName& known : kKinds) {
+  for (const KindFacts& known : kKinds) {
     if (name == known.name) return known.kind;
   }
   throw Failure(Exit::kConfig, '"' + name + "\" is no kind of fault");
 }
 
-const char* name(FaultKind kind) {
-  for (const KindName& known : kKinds) {
-    if (kind == known.kind) return known.name;
-  }
-  return "unknown";
-}
-
-bool isLampFault(FaultKind kind) {
-  return kind == FaultKind::kLampDead || kind == FaultKind::kLampDrift ||
-         kind == FaultKind::kLampStep;
-}
+const char* name(FaultKind kind) { return factsOf(kind).name; }
+FaultPlace placeOf(FaultKind kind) { return factsOf(kind).place; }
+bool happensInWorld(FaultKind kind) { return factsOf(kind).in_world; }
 
 void checkAgainst(const FaultPlan& plan, const RigSpec& rig) {
-  enum class Device { kCamera, kLight, kSensor };
-  std::map<std::string, Device> devices;
-  for (const CameraSpec& camera : rig.cameras) devices.emplace(camera.id, Device::kCamera);
-  for (const LightSpec& light : rig.lights) devices.emplace(light.id, Device::kLight);
-  for (const SensorSpec& sensor : rig.sensors) devices.emplace(sensor.id, Device::kSensor);
+  std::map<std::string, FaultPlace> devices{{kTheSpecimen, FaultPlace::kSpecimen}};
+  for (const CameraSpec& camera : rig.cameras) devices.emplace(camera.id, FaultPlace::kCamera);
+  for (const LightSpec& light : rig.lights) devices.emplace(light.id, FaultPlace::kLight);
+  for (const SensorSpec& sensor : rig.sensors) devices.emplace(sensor.id, FaultPlace::kSensor);
   std::vector<std::string> ids;
   for (const auto& [id, device] : devices) ids.push_back(id);
 
@@ -109,15 +122,14 @@ void checkAgainst(const FaultPlan& plan, const RigSpec& rig) {
       const std::string nearest = nearestWord(fault.device, ids);
       throw ConfigError(plan.source, fault.line, "fault.device",
                         '"' + quoteForMessage(fault.device) +
-                            "\" is no camera, light or sensor of the rig" +
+                            "\" is no camera, light or sensor of the rig, nor \"specimen\"" +
                             (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
     }
     const bool of_any = fault.kind == FaultKind::kHang || fault.kind == FaultKind::kBusy ||
                         fault.kind == FaultKind::kLost;
-    const Device owner = isLampFault(fault.kind)                  ? Device::kLight
-                         : fault.kind == FaultKind::kSensorSilent ? Device::kSensor
-                                                                  : Device::kCamera;
-    if (!of_any && found->second != owner) {
+    const bool fits =
+        of_any ? found->second != FaultPlace::kSpecimen : found->second == placeOf(fault.kind);
+    if (!fits) {
       throw ConfigError(plan.source, fault.line, "fault.kind",
                         std::string(name(fault.kind)) + " cannot happen to '" + fault.device + "'");
     }

@@ -15,12 +15,14 @@ constexpr int kSideMaxPx = 65'535;      // of a picture; JPEG's own limit
 constexpr int kTwinSideMaxPx = 16'384;  // what one simulated frame may cost in memory
 constexpr int kPatchSideMinPx = 4;      // fewer texels measure their own noise
 constexpr double kPositionMaxMm = 1e6;
+constexpr int kCharucoMarkers = 50;
 
 class Ids {
  public:
   std::string take(ConfigTable& table) {
     std::string id = table.takeId("id");
-    if (id == kWholeRig) table.reject("id", "\"rig\" is the name of the whole in a faults file");
+    if (id == kWholeRig || id == kTheSpecimen)
+      table.reject("id", '"' + id + "\" has a meaning of its own in a faults file");
     if (!seen_.insert(id).second) table.reject("id", '"' + id + "\" names two devices");
     return id;
   }
@@ -103,11 +105,52 @@ TriggerSpec takeTrigger(ConfigTable& table, Ids& ids) {
   return trigger;
 }
 
+std::array<double, 3> takePoint(ConfigTable& table, const std::string& key, double most,
+                                std::vector<double> fallback) {
+  const auto numbers = table.takeNumbers(key, 3, std::move(fallback));
+  std::array<double, 3> point{};
+  std::copy(numbers.begin(), numbers.end(), point.begin());
+  for (const double n : point)
+    if (std::abs(n) > most) table.reject(key, "is out of range");
+  return point;
+}
+
+TargetSpec takeTarget(ConfigTable& table) {
+  TargetSpec target;
+  const std::vector<std::string> kinds{"grey_card", "colorchecker", "chessboard", "charuco",
+                                       "mirror_sphere"};
+  const std::string kind = table.takeChoice("kind", kinds);
+  target.kind = static_cast<TargetSpec::Kind>(std::find(kinds.begin(), kinds.end(), kind) -
+                                              kinds.begin());
+  target.position_mm = takePoint(table, "position_mm", kPositionMaxMm, {0, 0, 0});
+  target.width_mm = table.takeNumber("width_mm", 0.1, 1e4, target.width_mm);
+  if (target.kind != TargetSpec::kMirrorSphere)
+    target.rotation_deg = takePoint(table, "rotation_deg", 180, {0, 0, 0});
+  if (target.kind == TargetSpec::kChessboard || target.kind == TargetSpec::kCharuco) {
+    target.columns = static_cast<int>(table.takeInteger("columns", 3, 40, target.columns));
+    target.rows = static_cast<int>(table.takeInteger("rows", 3, 40, target.rows));
+  }
+  if (target.kind == TargetSpec::kCharuco && target.columns * target.rows / 2 > kCharucoMarkers)
+    table.reject("columns", "and rows make more than " + std::to_string(kCharucoMarkers) +
+                                " markers (the dictionary 4x4_50)");
+  if (target.kind == TargetSpec::kGreyCard || target.kind == TargetSpec::kMirrorSphere)
+    target.reflectance = table.takeNumber(
+        "reflectance", 0, 1, target.kind == TargetSpec::kGreyCard ? target.reflectance : 0.9);
+  table.finish();
+  return target;
+}
+
 TwinSpec takeTwin(ConfigTable& table) {
   TwinSpec twin;
   twin.specimen = table.takeString("specimen", twin.specimen);
   twin.size = table.takeSize("size", 16, kTwinSideMaxPx, twin.size);
   if (table.has("faults")) twin.faults = table.takePath("faults");
+  twin.shadows = table.takeBool("shadows", false);
+  const std::vector<std::string> surroundings{"dark", "room", "daylight"};
+  const std::string chosen = table.takeChoice("surroundings", surroundings, surroundings.front());
+  twin.surroundings = static_cast<Surroundings>(
+      std::find(surroundings.begin(), surroundings.end(), chosen) - surroundings.begin());
+  for (ConfigTable& t : table.takeTables("target")) twin.targets.push_back(takeTarget(t));
   table.finish();
   return twin;
 }

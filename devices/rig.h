@@ -43,10 +43,24 @@ struct PatchSpec {  // the grey reference patch in a camera's picture
   std::string camera;
   RectPx rect_px;
 };
+// Something of known shape and reflectance that lies in a twin's scene.
+struct TargetSpec {
+  enum Kind { kGreyCard, kColorChecker, kChessboard, kCharuco, kMirrorSphere };
+  Kind kind = kGreyCard;
+  std::array<double, 3> position_mm{};   // its middle
+  std::array<double, 3> rotation_deg{};  // about x, then y, then z of the rig; 0: faces up
+  double width_mm = 20;                  // along its own x; a sphere's diameter
+  int columns = 10, rows = 7;            // squares of a board
+  double reflectance = 0.36;             // of a grey card; of a sphere at normal incidence
+};
+enum class Surroundings { kDark, kRoom, kDaylight };  // light that is not the rig's
 struct TwinSpec {
   std::string specimen = "banana_ripening";
   SizePx size{512, 512};
   std::optional<std::filesystem::path> faults;  // relative to the rig file
+  bool shadows = false;                         // cast by the specimen's relief
+  Surroundings surroundings = Surroundings::kDark;
+  std::vector<TargetSpec> targets;
 };
 struct RigSpec {
   std::string name;

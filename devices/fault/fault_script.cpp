@@ -25,7 +25,7 @@ std::vector<Fault> FaultReport::neverFired() const {
   std::vector<Fault> idle;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
     const FaultKind kind = faults_[i].kind;
-    const bool elsewhere = isLampFault(kind) || kind == FaultKind::kPowerCut;
+    const bool elsewhere = happensInWorld(kind) || kind == FaultKind::kPowerCut;
     if (counts_[i] == 0 && !elsewhere) idle.push_back(faults_[i]);
   }
   return idle;

@@ -9,18 +9,24 @@ namespace patina::devices::twin {
 void differentiate(const SampleGrid& grid, const std::vector<float>& field, std::vector<float>& dx,
                    std::vector<float>& dy, float limit) {
   const int w = grid.size.width, h = grid.size.height;
-  const auto slope = [&](std::size_t a, std::size_t b, const std::vector<float>& along) {
-    const float distance = along[b] - along[a];
-    if (std::abs(distance) < 1e-9f) return 0.0f;
-    return std::min(std::max((field[b] - field[a]) / distance, -limit), limit);
-  };
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
+      const std::size_t left = grid.index(std::max(x - 1, 0), y),
+                        right = grid.index(std::min(x + 1, w - 1), y),
+                        above = grid.index(x, std::max(y - 1, 0)),
+                        below = grid.index(x, std::min(y + 1, h - 1));
+      // Along a row and along a column the field changes by what its slopes make of the way.
+      const float ax = grid.x_mm[right] - grid.x_mm[left], ay = grid.y_mm[right] - grid.y_mm[left],
+                  bx = grid.x_mm[below] - grid.x_mm[above],
+                  by = grid.y_mm[below] - grid.y_mm[above];
+      const float a = field[right] - field[left], b = field[below] - field[above];
+      const float area = ax * by - ay * bx;
       const std::size_t k = grid.index(x, y);
-      dx[k] = slope(grid.index(std::max(x - 1, 0), y), grid.index(std::min(x + 1, w - 1), y),
-                    grid.x_mm);
-      dy[k] = slope(grid.index(x, std::max(y - 1, 0)), grid.index(x, std::min(y + 1, h - 1)),
-                    grid.y_mm);
+      const bool flat = std::abs(area) < 1e-18f;  // a single row or column
+      dx[k] = std::clamp(flat ? (std::abs(ax) > 0 ? a / ax : 0) : (a * by - b * ay) / area, -limit,
+                         limit);
+      dy[k] = std::clamp(flat ? (std::abs(by) > 0 ? b / by : 0) : (b * ax - a * bx) / area, -limit,
+                         limit);
     }
 }
 

@@ -8,7 +8,8 @@
 
 namespace patina::devices::twin {
 
-// d field / d x_mm and y_mm by central differences along the grid, each clamped to +-limit.
+// d field / d x_mm and y_mm by central differences along rows and columns, which may lie anyhow;
+// each clamped to +-limit.
 void differentiate(const SampleGrid& grid, const std::vector<float>& field, std::vector<float>& dx,
                    std::vector<float>& dy, float limit);
 

@@ -35,7 +35,8 @@ Lamp::Lamp(const LightSpec& spec, bool incandescent, const LampProfile& profile,
       incandescent_(incandescent),
       seed_(hashSeed(seed, hashOf(spec.id), 0x1a3bull)) {
   for (const Fault& fault : faults.faults)
-    if (fault.device == spec.id && isLampFault(fault.kind)) faults_.push_back(fault);
+    if (fault.device == spec.id && placeOf(fault.kind) == FaultPlace::kLight)
+      faults_.push_back(fault);
   if (spec.between == Between::kOn && now.count() > 0) {
     set_ = 1;
     warmth_ = warmthAt(now);

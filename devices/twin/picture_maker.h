@@ -8,7 +8,7 @@
 
 #include "devices/camera.h"
 #include "devices/twin/image_sensor.h"
-#include "devices/twin/optics.h"
+#include "devices/twin/lit_scene.h"
 #include "devices/twin/twin.h"
 #include "devices/twin/world.h"
 #include "processing/image/dng_file.h"
@@ -28,29 +28,27 @@ struct ShotLight {
 // 1/65,536 of its process (nine seconds of a week), far below what a sensor resolves.
 class PictureMaker {
  public:
-  PictureMaker(const World& world, const PictureLayout& layout, std::uint64_t seed);
+  // Throws ProcessingError(kConfig) for a pose that sees beyond the specimen's plane.
+  PictureMaker(const World& world, const CameraSpec& camera, const CameraPose& pose,
+               std::uint64_t seed);
 
   const PictureLayout& layout() const { return layout_; }
-  const SampleGrid& grid() const { return grid_; }
+  const SampleGrid& grid() const { return scene_->grid(); }
   const ImageSensor& sensor() const { return sensor_; }
+  // What a camera without noise, grain and fall-off would see, [h][w]: reflected light of each
+  // pixel's channel in units of a white diffuser under one lamp in the middle of the specimen.
+  std::vector<float> light(const ShotLight& shot);
   RawMosaic expose(const ShotLight& shot);
 
  private:
-  struct LampPicture {
-    std::unique_ptr<LampField> field;  // absent until the lamp is lit for the first time
-    std::vector<float> light;          // at level 1, [h][w], of specimen time `time_key`
-  };
-  void renderLamps(std::int64_t time_key, const std::vector<double>& levels);
-  void shadeRow(const LampField& field, const SurfaceRow& surface, int y, float* light) const;
+  void place(Nanoseconds run_time);
 
   const World& world_;
+  std::string camera_;
+  CameraPose pose_;
   PictureLayout layout_;
-  SampleGrid grid_;
-  std::shared_ptr<const PreparedSurface> surface_;
+  std::unique_ptr<LitScene> scene_;  // of the poses at the last shot
   ImageSensor sensor_;
-  std::int64_t time_key_ = -1;
-  std::vector<LampPicture> lamps_;
-  std::vector<float> card_;  // reflectance of patch and border; below 0: the specimen shows
 };
 
 }  // namespace patina::devices::twin

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "devices/config_file.h"
-#include "devices/twin/optics.h"
+#include "devices/twin/lit_scene.h"
 #include "devices/twin/settings.h"
 #include "devices/twin/twin_devices.h"
 

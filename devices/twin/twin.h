@@ -5,9 +5,13 @@
 // Frame of the rig: origin in the middle of the specimen, x right, y up, z to the camera, mm.
 // Settings of the devices in the rig file (`settings = { ... }`):
 //   camera  format = "dng" | "jpeg" | "raw+jpeg"; width, height (even; default: the twin's size);
-//           exposure_min, exposure_max ("1/10000", "30s")
-//   light   kind = "incandescent" | "led" (no ripple)
+//           exposure_min, exposure_max ("1/10000", "30s"); position_mm = "x,y,z" makes it a pinhole
+//           there, with look_at_mm (the middle), roll_deg and focal_widths (1.2) (camera_view.h)
+//   light   kind = "incandescent" | "led" (no ripple); beam_deg, the full angle at half of its
+//           light, with aim_mm = "x,y,z" (the middle); radius_mm of what shines (10)
 //   sensor  position_mm = "x,y,z" (illuminance only)
+// The scene in [twin]: shadows = true (cast by the relief), surroundings = "dark" | "room" |
+// "daylight" (sky.h), [[twin.target]] (scene_target.h).
 #pragma once
 
 #include <cstdint>

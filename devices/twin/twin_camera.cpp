@@ -15,8 +15,23 @@ namespace {
 
 struct CameraSettings {
   bool raw = true, jpeg = false;
+  CameraPose pose;
   Nanoseconds exposure_min{}, exposure_max{};
 };
+
+CameraPose readPose(const World& world, const CameraSpec& spec, Settings& settings) {
+  CameraPose pose;
+  pose.distant = !spec.settings.contains("position_mm");
+  if (pose.distant) return pose;
+  pose.position_mm = settings.takePosition("position_mm", {});
+  pose.look_at_mm = settings.takePosition("look_at_mm", {0, 0, 0});
+  pose.roll_deg = settings.takeNumber("roll_deg", -180, 180, 0);
+  pose.focal_widths = settings.takeNumber("focal_widths", 0.2, 100, pose.focal_widths);
+  if (!(pose.position_mm.z > 0))
+    throw ConfigError(world.spec().source, 0, "camera '" + spec.id + "': settings.position_mm",
+                      "z must be above 0: the camera is behind the specimen");
+  return pose;
+}
 
 CameraSettings readSettings(const World& world, const CameraSpec& spec) {
   Settings settings(spec.settings, "camera '" + spec.id + "'", world.spec().source);
@@ -27,11 +42,22 @@ CameraSettings readSettings(const World& world, const CameraSpec& spec) {
   s.exposure_min = settings.takeExposure("exposure_min", world.profile().exposure.min);
   s.exposure_max = settings.takeExposure("exposure_max", world.profile().exposure.max);
   for (const char* key : {"width", "height"}) settings.takeInteger(key, 16, 16'384, 0);
+  s.pose = readPose(world, spec, settings);
   settings.finish();
   if (s.exposure_min > s.exposure_max)
     throw ConfigError(world.spec().source, 0, "camera '" + spec.id + "': settings.exposure_min",
                       "is above exposure_max");
   return s;
+}
+
+PictureMaker makerOf(const World& world, const CameraSpec& spec, const CameraPose& pose,
+                     std::uint64_t seed) {
+  try {
+    return {world, spec, pose, seed};
+  } catch (const ProcessingError& problem) {
+    throw ConfigError(world.spec().source, 0, "camera '" + spec.id + "': settings.look_at_mm",
+                      problem.what());
+  }
 }
 
 class TwinCamera final : public Camera {
@@ -40,7 +66,7 @@ class TwinCamera final : public Camera {
       : world_(std::move(world)),
         settings_(readSettings(*world_, spec)),
         seed_(deviceSeed(*world_, spec.id)),
-        maker_(*world_, pictureLayout(world_->spec(), spec), seed_),
+        maker_(makerOf(*world_, spec, settings_.pose, seed_)),
         develop_(world_->profile().sensor.black_level, world_->profile().sensor.whiteLevel()),
         exposure_(defaultExposure()) {
     caps_.id = spec.id;

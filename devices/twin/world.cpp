@@ -6,6 +6,8 @@
 
 #include "devices/config_file.h"
 #include "devices/twin/settings.h"
+#include "devices/twin/troubles.h"
+#include "processing/image/random.h"
 
 namespace patina::devices::twin {
 
@@ -18,6 +20,26 @@ std::unique_ptr<Specimen> specimenOf(const RigSpec& spec, std::uint64_t seed) {
   } catch (const Failure& problem) {
     throw ConfigError(spec.source, 0, "twin.specimen", problem.what());
   }
+}
+
+LampPlace placeOf(const LightSpec& light, Settings& settings, const RigSpec& spec,
+                  const FaultPlan& faults) {
+  LampPlace place;
+  place.position_mm = light.position_mm;
+  place.aim_mm = settings.takePosition("aim_mm", {0, 0, 0});
+  place.beam_deg = settings.takeNumber("beam_deg", 0, 170, 0);
+  place.radius_mm = settings.takeNumber("radius_mm", 0.1, 1000, place.radius_mm);
+  const std::string name = "light '" + light.id + "': ";
+  if (!(place.position_mm.z > 0))
+    throw ConfigError(spec.source, 0, name + "position_mm",
+                      "z must be above 0: the lamp is behind the specimen");
+  if (place.beam_deg > 0 && !(lightAcross(place, place.aim_mm) < 1e4))
+    throw ConfigError(spec.source, 0, name + "settings.aim_mm",
+                      "its cone leaves the middle of the specimen dark");
+  for (const Fault& fault : faults.faults)
+    if (fault.kind == FaultKind::kLightsMirrored && fault.device == light.id)
+      place.position_mm.x = -place.position_mm.x;
+  return place;
 }
 
 }  // namespace
@@ -33,10 +55,8 @@ World::World(const RigSpec& spec, const TwinOptions& options, Clock& clock)
     Settings settings(light.settings, "light '" + light.id + "'", spec.source);
     const bool incandescent =
         settings.takeChoice("kind", {"incandescent", "led"}) == "incandescent";
+    places_.push_back(placeOf(light, settings, spec, options.faults));
     settings.finish();
-    if (!(light.position_mm[2] > 0))
-      throw ConfigError(spec.source, 0, "light '" + light.id + "': position_mm",
-                        "z must be above 0: the lamp is behind the specimen");
     lamps_.emplace_back(light, incandescent, profile_.lamp, options_.faults, options_.seed,
                         runTime());
   }
@@ -78,23 +98,25 @@ std::vector<double> World::levelsOver(Nanoseconds begin, Nanoseconds exposure) c
   return levels;
 }
 
+LampPlace World::lampPlace(std::size_t lamp) const { return places_[lamp]; }
+
+Sky World::skyAt(Nanoseconds run_time) const {
+  const Surroundings around = spec_.twin ? spec_.twin->surroundings : Surroundings::kDark;
+  return twin::skyAt(around, hashSeed(options_.seed, 0x5c1ull), options_.start_utc + run_time);
+}
+
+SpecimenPose World::specimenPoseAt(Nanoseconds run_time) const {
+  return twin::specimenPoseAt(options_.faults, run_time, options_.duration);
+}
+
 Lux World::illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time) const {
   const std::lock_guard lock(mutex_);
   double level = profile_.room.ambient;
   for (std::size_t i = 0; i < lamps_.size(); ++i)
-    level += lamps_[i].steadyLevelAt(run_time) *
-             relativeIrradiance(spec_.lights[i].position_mm, position_mm);
+    level += lamps_[i].steadyLevelAt(run_time) * relativeIrradiance(places_[i], position_mm);
+  const Sky sky = skyAt(run_time);
+  level += sky.dome + (sky.sun > 0 ? sky.sun * relativeIrradiance(sky.sun_place, position_mm) : 0);
   return {level * profile_.lamp.illuminance_lux};
-}
-
-double relativeIrradiance(const std::array<double, 3>& lamp_mm,
-                          const std::array<double, 3>& point_mm) {
-  const auto irradiance = [](double dx, double dy, double dz) {
-    const double d2 = dx * dx + dy * dy + dz * dz;
-    return std::max(dz, 0.0) / (d2 * std::sqrt(d2));
-  };
-  return irradiance(lamp_mm[0] - point_mm[0], lamp_mm[1] - point_mm[1], lamp_mm[2] - point_mm[2]) /
-         irradiance(lamp_mm[0], lamp_mm[1], lamp_mm[2]);
 }
 
 }  // namespace patina::devices::twin

@@ -9,8 +9,11 @@
 #include "devices/clock.h"
 #include "devices/rig.h"
 #include "devices/twin/lamp.h"
+#include "devices/twin/lamp_field.h"
 #include "devices/twin/profile.h"
+#include "devices/twin/sky.h"
 #include "devices/twin/specimen.h"
+#include "devices/twin/specimen_pose.h"
 #include "devices/twin/twin.h"
 
 namespace patina::devices::twin {
@@ -37,6 +40,10 @@ class World {
   double lampSetting(std::size_t lamp) const;
   // Mean level of every lamp over an exposure, in the rig file's order.
   std::vector<double> levelsOver(Nanoseconds begin, Nanoseconds exposure) const;
+  LampPlace lampPlace(std::size_t lamp) const;
+  Sky skyAt(Nanoseconds run_time) const;
+  SpecimenPose specimenPoseAt(Nanoseconds run_time) const;
+  const FaultPlan& faults() const { return options_.faults; }
   Lux illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time) const;
 
  private:
@@ -49,12 +56,7 @@ class World {
   std::unique_ptr<Specimen> specimen_;
   mutable std::mutex mutex_;  // guards lamps_
   std::vector<Lamp> lamps_;
+  std::vector<LampPlace> places_;
 };
-
-// Light at a point of a horizontal plane, over that of the same lamp at the origin of the rig's
-// frame: inverse square times cosine. Powers are chosen so that every lamp alone gives level 1
-// there, whatever its distance; its position shapes the rest.
-double relativeIrradiance(const std::array<double, 3>& lamp_mm,
-                          const std::array<double, 3>& point_mm);
 
 }  // namespace patina::devices::twin

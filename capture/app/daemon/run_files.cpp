@@ -65,7 +65,8 @@ void keepOnlyPlanned(RunFiles& files) {
     const auto sensor = std::find_if(rig.sensors.begin(), rig.sensors.end(),
                                      [&](const auto& s) { return s.id == fault.device; });
     return !cameras.contains(fault.device) && !lights.contains(fault.device) &&
-           sensor == rig.sensors.end() && fault.device != devices::kWholeRig;
+           sensor == rig.sensors.end() && fault.device != devices::kWholeRig &&
+           fault.device != devices::kTheSpecimen;
   });
 }
 

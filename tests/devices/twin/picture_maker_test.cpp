@@ -17,7 +17,7 @@ struct Studio {
   World world;
   PictureMaker maker;
   explicit Studio(const RigSpec& spec)
-      : world(spec, {}, clock), maker(world, pictureLayout(spec, spec.cameras[0]), 1) {}
+      : world(spec, {}, clock), maker(world, spec.cameras[0], {}, 1) {}
 
   ShotLight shot(double key, double fill, Nanoseconds begin = 1h) const {
     ShotLight s;
@@ -66,9 +66,11 @@ TEST(PictureMaker, DrawsThePatchWhereTheLayoutSays) {
   const std::vector<float> falloff = lensFalloff({256, 256}, referenceProfile().lens);
   double expected = 0, flat = 0;
   std::vector<float> card(256);
-  const LampField field = lampField(studio.maker.grid(), {0, 0, 500});
+  const CameraView view(studio.maker.grid());
+  const LampField field(view, LampPlace{}, true);
+  std::vector<float> scratch;
   for (int y = patch.y; y < patch.y + 64; ++y) {
-    shadeCardRow(field, y, 256, card.data());
+    shadeCardRow(field.row(y, scratch), 256, card.data());
     for (int x = patch.x; x < patch.x + 64; ++x) flat += card[x] * falloff[y * 256 + x] / 4096;
   }
   expected = 0.36 / 0.5 * 0.45 * (4095 - 64) * flat;
