@@ -27,6 +27,9 @@ class ReliefShadow {
   // Square texels of texel_mm covering [x0,x1] x [y0,y1].
   ReliefShadow(float x0_mm, float y0_mm, float x1_mm, float y1_mm, float texel_mm);
 
+  // Square texels already.
+  explicit ReliefShadow(SampleGrid square) : grid_(std::move(square)) {}
+
   const SampleGrid& grid() const { return grid_; }
   // [h][w] of grid(), mm.
   void setHeights(std::vector<float> heights);

@@ -104,6 +104,19 @@ void shadeRow(const ShadedRow& row, int even, int odd, float* out) {
   for (int x = 0; x < width; ++x) out[x] *= row.visibility[x];
 }
 
+void addSkyRow(const SurfaceRow& surface, int even_channel, int odd_channel, float level,
+               float* out) {
+  const Pick pick = channels(surface, even_channel, odd_channel);
+  const float *d_even = pick.diffuse_even, *d_odd = pick.diffuse_odd, *s_even = pick.specular_even,
+              *s_odd = pick.specular_odd, *nz = surface[S::kNormalZ];
+  const int width = surface.width();
+  PATINA_INDEPENDENT_TEXELS
+  for (int x = 0; x < width; ++x) {
+    const float even = d_even[x] + s_even[x], odd = d_odd[x] + s_odd[x];
+    out[x] += level * ((x & 1) ? odd : even) * (1 + nz[x]) * 0.5f;
+  }
+}
+
 }  // namespace
 
 void shadeMosaicRow(const ShadedRow& row, int y, float* out) {
@@ -119,15 +132,11 @@ void shadeCardRow(const LampRow& lamp, int width, float* out) {
 }
 
 void addSkyMosaicRow(const SurfaceRow& surface, int y, float level, float* out) {
-  const Pick pick = channels(surface, evenChannel(y), oddChannel(y));
-  const float *d_even = pick.diffuse_even, *d_odd = pick.diffuse_odd, *s_even = pick.specular_even,
-              *s_odd = pick.specular_odd, *nz = surface[S::kNormalZ];
-  const int width = surface.width();
-  PATINA_INDEPENDENT_TEXELS
-  for (int x = 0; x < width; ++x) {
-    const float even = d_even[x] + s_even[x], odd = d_odd[x] + s_odd[x];
-    out[x] += level * ((x & 1) ? odd : even) * (1 + nz[x]) * 0.5f;
-  }
+  addSkyRow(surface, evenChannel(y), oddChannel(y), level, out);
+}
+
+void addSkyChannelRow(const SurfaceRow& surface, int channel, float level, float* out) {
+  addSkyRow(surface, channel, channel, level, out);
 }
 
 }  // namespace patina::devices::twin

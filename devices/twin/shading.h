@@ -31,5 +31,6 @@ void shadeCardRow(const LampRow& lamp, int width, float* out);
 // Light from all sides alike, of level 1 on a white card that lies flat: what the texel's tilt
 // leaves it of the sky, (1 + n_z) / 2, times diffuse and specular reflectance. Added to `out`.
 void addSkyMosaicRow(const SurfaceRow& surface, int y, float level, float* out);
+void addSkyChannelRow(const SurfaceRow& surface, int channel, float level, float* out);
 
 }  // namespace patina::devices::twin

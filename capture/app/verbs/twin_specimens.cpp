@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// patina twin specimens [list | render]: the simulated surfaces and their truth.
+// patina twin specimens [list | render | film]: the simulated surfaces and their truth.
 #include <unistd.h>
 
 #include "capture/app/context.h"
+#include "capture/app/verbs/twin_film.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/workflow/facts.h"
 #include "devices/twin/specimen.h"
@@ -85,6 +86,7 @@ void addTwinVerbs(Verb root) {
       .option("--size", o->size, parseSize, "WxH", "In pixels")
       .option("--out", o->out, "FOLDER", "Where to")
       .demand("--out");
+  addTwinFilmVerb(specimens);
 }
 
 }  // namespace patina::app
