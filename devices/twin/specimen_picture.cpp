@@ -48,9 +48,7 @@ Image<float> shadedPicture(const Specimen& specimen, double time, SizePx size,
   place.position_mm = lamp_mm;
   const LampField lamp(view, place, false);
   ReliefShadow relief(view.ground());
-  const auto heights = maps.height.view();
-  relief.setHeights(
-      {heights.row(0), heights.row(0) + static_cast<std::size_t>(size.width) * size.height});
+  relief.setHeights(maps.height.texels());
   const std::vector<float> visibility = relief.visibility(place);
   Image<float> picture(size.width, size.height, 3);
   forRowBlocks(size, [&](int y0, int y1) {

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/twin/optics.h"
+#include "devices/twin/relief_shadow.h"
+#include "devices/twin/shading.h"
 
 namespace patina::devices::twin {
 namespace {
@@ -14,18 +15,25 @@ constexpr SizePx kSize{64, 48};
 TEST(SpecimenPicture, ShowsWhatTheCameraOfTheTwinSeesAndALittleOfTheRoom) {
   const auto copper = makeSpecimen("copper_patination", 3);
   const Image<float> picture = shadedPicture(*copper, 0.4, kSize, kUpperLeft);
-  const SampleGrid grid = SampleGrid::regular(kSize, copper->info().width_mm);
-  const auto surface = copper->prepare(grid);
-  const LampField lamp = lampField(grid, kUpperLeft);
+  const CameraView view(SampleGrid::regular(kSize, copper->info().width_mm));
+  const auto surface = copper->prepare(view.ground());
+  LampPlace place;
+  place.position_mm = kUpperLeft;
+  const LampField lamp(view, place, false);
+  ReliefShadow relief(view.ground());
+  const SurfaceMaps maps = mapsAt(*surface, 0.4, kSize);
+  relief.setHeights(maps.height.texels());
+  const std::vector<float> visibility = relief.visibility(place);
   SurfaceRow row(kSize.width);
-  std::vector<float> mosaic(kSize.width);
+  std::vector<float> mosaic(kSize.width), scratch;
   for (int y = 0; y < kSize.height; ++y) {
     surface->rowAt(0.4, y, row);
-    shadeMosaicRow(row, lamp, y, mosaic.data());
+    shadeMosaicRow({row, lamp.row(y, scratch), {}}, y, mosaic.data());
     for (int x = 0; x < kSize.width; ++x) {
       const float seen = picture.at(x, y, (x & 1) + (y & 1));
-      ASSERT_GE(seen, mosaic[x] * 0.999f);
-      ASSERT_LE(seen, mosaic[x] * 1.001f + 0.12f);
+      const float lit = mosaic[x] * visibility[view.ground().index(x, y)];
+      ASSERT_GE(seen, lit * 0.999f);
+      ASSERT_LE(seen, lit * 1.001f + 0.12f);
     }
   }
 }
