@@ -4,7 +4,8 @@
 // Heights stand on a square grid in the rig's frame, somewhat larger than what pictures see; what
 // lies beyond casts no shadow. From texel p the ray to the lamp L rises by
 // (L_z - h(p)) / |L_xy - p_xy| a mm. With k = 1, 2, ... whole steps along the greater axis of the
-// way to the lamp (16 of one texel, then each a sixteenth of the way so far), s_k mm long, heights
+// way to the lamp (64 of one texel, then each a 32nd of the way so far: what is
+// thinner may be missed), s_k mm long, heights
 // between texels linear along the lesser axis, the clearance of the ray is c_k, and
 //
 //   visibility = min_k saturate(1/2 + c_k / (2 s_k rho)),  rho = radius |L - p| / |L_xy - p_xy|^2
@@ -20,7 +21,7 @@
 namespace patina::devices::twin {
 
 // Steps of a ray, in texels of the greater axis. Pure.
-constexpr int nextShadowStep(int k) { return k + (k < 32 ? 1 : k / 16); }
+constexpr int nextShadowStep(int k) { return k + (k < 64 ? 1 : k / 32); }
 
 class ReliefShadow {
  public:
