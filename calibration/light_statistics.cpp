@@ -93,6 +93,22 @@ std::size_t steadyAtTheEnd(const std::vector<double>& levels, double band) {
   return steady;
 }
 
+using Levels = std::vector<double>::const_iterator;
+
+double meanOf(Levels begin, Levels end) {
+  double sum = 0;
+  for (auto level = begin; level != end; ++level) sum += *level;
+  return sum / static_cast<double>(end - begin);
+}
+
+// Of the newest learn_samples; nothing while they are not steady.
+std::optional<double> baselineOf(const std::vector<double>& levels,
+                                 const LightModelOptions& options) {
+  if (steadyAtTheEnd(levels, options.learn_band) < static_cast<std::size_t>(options.learn_samples))
+    return std::nullopt;
+  return meanOf(levels.end() - options.learn_samples, levels.end());
+}
+
 double stepOf(const std::vector<double>& levels, double band) {
   const std::size_t n = levels.size();
   if (n < 3) return 0;
@@ -268,13 +284,18 @@ bool isProvisional(const LightSeries& series, const LightModelOptions& options) 
   return series.baseline > 0 && series.agreed < options.firm_samples;
 }
 
-std::optional<double> baselineOf(const std::vector<double>& levels,
-                                 const LightModelOptions& options) {
-  const auto wanted = static_cast<std::size_t>(options.learn_samples);
-  if (steadyAtTheEnd(levels, options.learn_band) < wanted) return std::nullopt;
-  double sum = 0;
-  for (std::size_t i = levels.size() - wanted; i < levels.size(); ++i) sum += levels[i];
-  return sum / static_cast<double>(wanted);
+std::optional<double> settledLevel(const std::vector<double>& levels,
+                                   const LightModelOptions& options) {
+  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
+  if (middle == levels.begin()) return std::nullopt;
+  const double older = meanOf(levels.begin(), middle), newer = meanOf(middle, levels.end());
+  if (!(std::min(older, newer) >= options.dark_level)) return std::nullopt;
+  if (std::abs(relative(older, newer)) > options.learn_band) return std::nullopt;
+  if (std::any_of(middle, levels.end(), [&](double level) {
+        return std::abs(relative(level, newer)) > options.step_band;
+      }))
+    return std::nullopt;
+  return newer;
 }
 
 int steadySamples(const LightSeries& series, const LightModelOptions& options) {

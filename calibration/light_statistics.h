@@ -81,9 +81,11 @@ LightJudgement judgeLevel(LightSeries& series, double level, UtcTime utc,
                           const LightModelOptions& options, double level_noise = 0);
 
 bool isProvisional(const LightSeries& series, const LightModelOptions& options);
-// A baseline of the newest learn_samples of `levels`; nothing while they are not steady.
-std::optional<double> baselineOf(const std::vector<double>& levels,
-                                 const LightModelOptions& options);
+// What `levels`, each as noisy as its patch, have settled to: the mean of their newer half. Nothing
+// while the halves are further apart than learn_band, or a level of the newer one would itself be
+// held against that mean, or there is no light.
+std::optional<double> settledLevel(const std::vector<double>& levels,
+                                   const LightModelOptions& options);
 // Of a series that learns: how many of its newest samples are steady, of learn_samples.
 int steadySamples(const LightSeries& series, const LightModelOptions& options);
 

@@ -264,8 +264,11 @@ bool LightGate::contradicts(const Witness& w, const GateVerdict& out) const {
     return false;
   for (std::size_t c = 0; c < w.channels.size(); ++c) {
     const Judged& j = w.channels[c];
-    if (!j.watched || !calibration::isProvisional(j.watched->series, options_)) return false;
     const LightVerdict verdict = parseVerdict(out.rows[w.first_row + c].verdict);
+    // A channel that still learns speaks for no baseline, unless it is dark.
+    if (!j.watched) return false;
+    if (j.known ? !calibration::isProvisional(j.watched->series, options_) : isBad(verdict))
+      return false;
     if (verdict == LightVerdict::kCovered || verdict == LightVerdict::kAtOdds) return false;
   }
   return true;
@@ -291,7 +294,8 @@ void LightGate::doubt(std::vector<Witness>& witnesses, const GateVerdict& out) c
     }
 }
 
-// When every channel has been refused often enough and is steady by now.
+// When every channel has been refused often enough and has settled. Judged over all that was
+// refused: of many noisy channels one or another is always unsteady over a few levels.
 void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sample,
                           GateVerdict& out) const {
   std::string changed;
@@ -300,7 +304,7 @@ void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sa
       const Watched* watched = w.channels[c].watched;
       if (!watched) continue;
       if (watched->refused.size() < static_cast<std::size_t>(options_.firm_samples) ||
-          !calibration::baselineOf(watched->refused, options_))
+          !calibration::settledLevel(watched->refused, options_))
         return;
       if (w.bad && changed.empty())
         changed = "light " + sample.light_state + ": " + w.source + " " + percent(w.deviation) +
@@ -314,8 +318,8 @@ void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sa
       if (!j.watched) continue;
       db::LightCheckRow& r = out.rows[w.first_row + c];
       j.after.series = {};
-      j.after.series.baseline = *calibration::baselineOf(j.watched->refused, options_);
-      j.after.series.forecast = r.level;
+      j.after.series.baseline = *calibration::settledLevel(j.watched->refused, options_);
+      j.after.series.forecast = j.after.series.baseline;
       j.after.series.agreed = options_.learn_samples;
       j.after.series.last_utc = sample.utc;
       j.after.refused.clear();

@@ -186,6 +186,19 @@ TEST(JudgeLevel, CountsTheSteadySamplesAtTheEnd) {
   EXPECT_EQ(steadySamples(s, {}), 1);
 }
 
+TEST(SettledLevel, IsTheMeanOfTheNewerHalfHoweverNoisyItsLevels) {
+  const std::vector<double> noisy = {0.404, 0.396, 0.402, 0.398, 0.403, 0.397};
+  EXPECT_NEAR(settledLevel(noisy, {}).value(), (0.398 + 0.403 + 0.397) / 3, 1e-12);
+}
+
+TEST(SettledLevel, IsNoneWhileTheLightStillChangesOrFlickersOrIsNotThere) {
+  EXPECT_FALSE(settledLevel({}, {}));
+  EXPECT_FALSE(settledLevel({0.4}, {}));
+  EXPECT_FALSE(settledLevel({0.400, 0.401, 0.402, 0.407, 0.408, 0.409}, {}));
+  EXPECT_FALSE(settledLevel({0.39, 0.41, 0.40, 0.41, 0.39, 0.40}, {}));
+  EXPECT_FALSE(settledLevel({0.001, 0.001, 0.001, 0.001}, {}));
+}
+
 TEST(JudgeLevel, LearnsNothingFromDarkness) {
   LightSeries s;
   for (int i = 0; i < 5; ++i)

@@ -280,6 +280,34 @@ TEST(LightGate, LearnsAProvisionalBaselineAnewWhenAStepLasts) {
   EXPECT_TRUE(room.shoot().blocks);
 }
 
+TEST(LightGate, LearnsAnewThoughOneChannelHasNotLearnedAndAllAreNoisy) {
+  Room room;
+  room.with_lux = false;
+  const auto shoot = [&room](double red, double noise) {
+    LightSample s = room.sample();
+    for (double& level : s.patches[0].level.level) level *= 1 + noise;
+    s.patches[0].level.level[0] *= red;
+    return room.gate.judge(s);
+  };
+  for (const double red : {1.0, 1.015, 1.0}) EXPECT_FALSE(shoot(red, 0).blocks);
+  room.patch = 1.05;
+  int held = 0;
+  while (held < 20 && shoot(1, held % 2 ? 0.008 : -0.008).blocks) ++held;
+  EXPECT_EQ(held, 9);
+  const GateVerdict v = shoot(1, 0);
+  EXPECT_EQ(verdictOf(v, "patch:cam0"), "correct");
+  EXPECT_NEAR(v.rows[1].baseline, 1.05 * 0.40, 0.002);
+}
+
+TEST(LightGate, LearnsNothingAnewFromALampThatFlickers) {
+  Room room;
+  room.learn();
+  for (int shot = 0; shot < 30; ++shot) {
+    room.patch = room.lux = shot % 2 ? 1.035 : 1.075;
+    EXPECT_TRUE(room.shoot().blocks) << shot;
+  }
+}
+
 TEST(LightGate, ForgetsAStepThatGoesAwayAgain) {
   Room room;
   room.learn();
