@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/sim/week.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <memory>
 #include <optional>
 
 #include "capture/session.h"
 #include "db/power_cut.h"
 #include "devices/fault/faulty_devices.h"
+#include "devices/twin/profile.h"
 #include "devices/twin/twin.h"
 #include "processing/image/random.h"
 #include "tests/sim/oracle.h"
@@ -87,11 +90,18 @@ class Week {
         options.files = logged.get();
       }
       db::Archive archive(options);
-      return session(archive);
+      return isOver(archive) || session(archive);
     } catch (const db::ArchiveError&) {
       oracle_.note("the program ended");
       return false;
     }
+  }
+
+  // The last life may have come to the run's end and then to grief: the next would begin another.
+  bool isOver(const db::Archive& archive) const {
+    if (run_id_.empty()) return false;
+    const auto state = archive.runState(run_id_);
+    return state && state->run.state == "finished";
   }
 
   bool session(db::Archive& archive) {
@@ -165,7 +175,25 @@ class Week {
     else
       clock_.advance(off);
     disk_.heal();
-    week_.healed = std::max(week_.healed, time_.now());
+    week_.healed = std::max(week_.healed, time_.now() + warmingUp());
+  }
+
+  // A lamp that is kept on is as cold after a restart as it was at the run's start, while the run
+  // may have learned it as warm as it can be by now: until that is within half of the band (the
+  // rest is the noise of a small patch), its light is rightly held.
+  Nanoseconds warmingUp() const {
+    if (plan_.light_check.mode == capture::LightMode::kUncontrolled) return {};
+    const std::vector<std::string>& at_rest = plan_.sweeps.back().lights.back();
+    if (std::ranges::none_of(rig_.lights, [&](const devices::LightSpec& light) {
+          return light.between == devices::Between::kKeep &&
+                 std::ranges::find(at_rest, light.id) != at_rest.end();
+        }))
+      return {};
+    const auto& lamp = devices::twin::referenceProfile().lamp;
+    const double tau_s = toSeconds(lamp.warm_up_tau);
+    const double cold_at_best = std::exp(-toSeconds(time_.now()) / tau_s);
+    const double cold_at_most = cold_at_best + plan_.light_check.band / 2 / lamp.warm_up;
+    return cold_at_most < 1 ? fromSeconds(-tau_s * std::log(cold_at_most)) : Nanoseconds{};
   }
 
   TempFolder folder_ = TempFolder::inMemory();
