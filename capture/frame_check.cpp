@@ -177,9 +177,8 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
   return out;
 }
 
-void FrameCheck::remember(const ShotCheck& accepted) {
-  for (const CheckedFrame& f : accepted.frames)
-    last_[f.frame->file_index] = {f.sha256, accepted.lit};
+void FrameCheck::remember(const ShotCheck& seen) {
+  for (const CheckedFrame& f : seen.frames) last_[f.frame->file_index] = {f.sha256, seen.lit};
 }
 
 }  // namespace patina::capture

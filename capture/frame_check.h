@@ -51,8 +51,9 @@ class FrameCheck {
   // `lit`: some lamp was on. Shots without light may repeat byte for byte (bias, dark).
   ShotCheck check(const std::vector<devices::RawFrame>& frames, const devices::Ticket& ticket,
                   bool lit) const;
-  // The shot was acknowledged: its hashes are what a stale picture would repeat.
-  void remember(const ShotCheck& accepted);
+  // The hashes of what came are what a stale picture would repeat, also when the light or the disk
+  // kept the shot from being acknowledged.
+  void remember(const ShotCheck& seen);
 
  private:
   void checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& out) const;

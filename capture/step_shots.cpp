@@ -145,6 +145,7 @@ void StepRunner::inspect(Attempt& a) {
   if (!a.picture->get()) return fail(a, a.picture->get().error());
   const ShotCheck& check = a.check();
   for (const std::string& remark : check.remarks) event("stale", remark);
+  a.unit->frames().remember(check);
   if (check.fault == FrameFault::kNone) {
     a.good = true;
     return;
@@ -241,7 +242,6 @@ void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheck
     if (hooks_.on_acknowledged) hooks_.on_acknowledged(row);
   }
 
-  a.unit->frames().remember(a.check());
   a.unit->succeeded();
   alerts_.acknowledged(moment());
   alerts_.clear(AlertKind::kCameraDown, a.unit->id(), moment());

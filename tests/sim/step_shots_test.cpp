@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/step_runner.h"
+#include "tests/sim/full_disk.h"
 #include "tests/sim/simulation.h"
 
 namespace patina::testing {
@@ -57,6 +58,28 @@ INSTANTIATE_TEST_SUITE_P(OfOneCall, ShotInTrouble,
                                            Trouble{"size", "wrong_size", "quarantine"},
                                            Trouble{"corrupt", "corrupt_bytes", "quarantine"}),
                          [](const auto& trouble) { return std::string(trouble.param.name); });
+
+TEST(StepShots, KnowsAPictureThatComesAgainThoughItNeverReachedTheDisk) {
+  Simulation sim({.light_check = "mode = \"uncontrolled\"",
+                  .format = "dng",  // every file as long as the other: only its hash tells
+                  .faults = "[[fault]]\nat = \"35min\"\ndevice = \"cam0\"\n"
+                            "kind = \"stale_frame\"\n"});
+  FullDisk disk;
+  sim.archive_options.files = &disk;
+  const MonoTime full = sim.clock.mono() + 25min, room = full + 10min;
+  sim.clock.at(room, [&] { disk.writes_fail = false; });
+  sim.run([&](capture::SessionHooks& hooks) {
+    hooks.on_light = [&](auto) {
+      disk.writes_fail = sim.clock.mono() >= full && sim.clock.mono() < room;
+    };
+  });
+  EXPECT_EQ(sim.reader().step(sim.run_id, 3)->reason, "disk");
+  EXPECT_EQ(sim.reader().step(sim.run_id, 4)->retries, 1);
+  std::vector<std::string> failed;
+  for (const auto& event : sim.events("shot_failed")) failed.push_back(event.detail);
+  EXPECT_THAT(failed, Contains(HasSubstr("the previous picture came again")));
+  sim.expectWhole();
+}
 
 TEST(StepShots, RaisesAnAlarmWhenThePictureClips) {
   Simulation sim({.duration = "1h", .exposures = R"(["1/2"])"});
