@@ -122,7 +122,7 @@ void checkAgainst(const FaultPlan& plan, const RigSpec& rig) {
       const std::string nearest = nearestWord(fault.device, ids);
       throw ConfigError(plan.source, fault.line, "fault.device",
                         '"' + quoteForMessage(fault.device) +
-                            "\" is no camera, light or sensor of the rig, nor \"specimen\"" +
+                            "\" is no camera, light or sensor of the rig" +
                             (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
     }
     const bool of_any = fault.kind == FaultKind::kHang || fault.kind == FaultKind::kBusy ||

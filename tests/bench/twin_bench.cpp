@@ -2,6 +2,9 @@
 // The twin's speed: a specimen's truth, and a whole shot from trigger to file.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
+
+#include "devices/twin/picture_maker.h"
 #include "devices/twin/specimen.h"
 #include "devices/twin/twin.h"
 
@@ -33,7 +36,8 @@ void BM_TwinShot(benchmark::State& state, const std::string& format) {
   RigSpec spec;
   spec.cameras.push_back({"cam0", "twin", "", {{"format", format}}});
   spec.lights.push_back({"key", "twin", "", {-250, 200, 380}, Between::kOn, {}});
-  spec.twin = TwinSpec{"banana_ripening", size, {}};
+  spec.twin = TwinSpec{};
+  spec.twin->size = size;
   VirtualClock clock(UtcTime{});
   TwinOptions options;
   options.duration = std::chrono::hours(7 * 24);
@@ -56,6 +60,55 @@ BENCHMARK_CAPTURE(BM_TwinShot, dng, "dng")
     ->UseRealTime();
 BENCHMARK_CAPTURE(BM_TwinShot, jpeg, "jpeg")
     ->Args({512, 512})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// One step of a dome: every lamp of `lights` alone, all physics or, for comparison, without
+// shadows. Light on the sensor, then the sensor, as a shot makes them.
+void BM_TwinSweep(benchmark::State& state, const std::string& specimen) {
+  const int lights = static_cast<int>(state.range(0));
+  RigSpec spec;
+  spec.cameras.push_back({"cam0", "twin", "", {}});
+  for (int i = 0; i < lights; ++i) {
+    const double turn = 2 * M_PI * i / lights, height = 150 + 250.0 * (i % 3);
+    spec.lights.push_back({"l" + std::to_string(i),
+                           "twin",
+                           "",
+                           {300 * std::cos(turn), 300 * std::sin(turn), height},
+                           Between::kOff,
+                           {}});
+  }
+  spec.twin = TwinSpec{};
+  spec.twin->specimen = specimen;
+  spec.twin->shadows = state.range(1) != 0;
+  VirtualClock clock(UtcTime{});
+  const World world(spec, {}, clock);
+  PictureMaker maker(world, spec.cameras[0], {}, 1);
+  ShotLight shot;
+  shot.exposure = defaultExposure();
+  const auto sweep = [&](double time) {
+    shot.begin = fromSeconds(time * toSeconds(world.specimen().info().duration));
+    for (int i = 0; i < lights; ++i) {
+      shot.levels.assign(static_cast<std::size_t>(lights), 0);
+      shot.levels[static_cast<std::size_t>(i)] = 1;
+      benchmark::DoNotOptimize(maker.expose(shot));
+    }
+  };
+  sweep(0.3);  // lamp fields
+  int step = 0;
+  for (auto _ : state) sweep(0.35 + 0.5 * (++step % 97) / 97);
+  state.SetItemsProcessed(state.iterations() * lights * 512 * 512);
+}
+BENCHMARK_CAPTURE(BM_TwinSweep, banana, "banana_ripening")
+    ->Args({24, 1})
+    ->Args({24, 0})
+    ->Args({1, 1})
+    ->Args({1, 0})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_TwinSweep, copper, "copper_patination")
+    ->Args({24, 1})
+    ->Args({24, 0})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 

@@ -109,7 +109,8 @@ TEST(Rig, IdsCannotBreakFileNamesOrLightStates) {
               HasSubstr("rig.toml:5: light.id: \"a+b\" is no id"));
   EXPECT_THAT(errorOf(withCamera("[[light]]\nid = \"off\"\nbackend = \"twin\"\n")),
               HasSubstr("the dark state"));
-  EXPECT_THAT(errorOf("[[camera]]\nid = \"rig\"\nbackend = \"twin\"\n"), HasSubstr("the whole"));
+  EXPECT_THAT(errorOf("[[camera]]\nid = \"rig\"\nbackend = \"twin\"\n"),
+              HasSubstr("of its own in a faults file"));
   EXPECT_THAT(errorOf("[[camera]]\nid = \"../x\"\nbackend = \"twin\"\n"), HasSubstr("is no id"));
 }
 
@@ -147,6 +148,32 @@ TEST(Rig, ThePatchLiesInThePictureOfACamera) {
 TEST(Rig, ACameraHasOnePatch) {
   const std::string patch = "[[patch]]\nrect_px = [0, 0, 64, 64]\n";
   EXPECT_THAT(errorOf(withCamera(patch + patch)), HasSubstr("has two patches"));
+}
+
+TEST(Rig, ATwinsSceneIsWhatItsTableSays) {
+  const RigSpec rig = parseRig(withCamera("[twin]\nshadows = true\nsurroundings = \"daylight\"\n"
+                                          "[[twin.target]]\nkind = \"charuco\"\nwidth_mm = 40\n"
+                                          "columns = 7\nrows = 5\nposition_mm = [1, 2, 3]\n"
+                                          "rotation_deg = [10, 0, 0]\n"
+                                          "[[twin.target]]\nkind = \"mirror_sphere\"\n"),
+                               "rig.toml");
+  EXPECT_TRUE(rig.twin->shadows);
+  EXPECT_EQ(rig.twin->surroundings, Surroundings::kDaylight);
+  ASSERT_EQ(rig.twin->targets.size(), 2u);
+  EXPECT_EQ(rig.twin->targets[0].kind, TargetSpec::kCharuco);
+  EXPECT_EQ(rig.twin->targets[0].columns, 7);
+  EXPECT_EQ(rig.twin->targets[0].position_mm[2], 3);
+  EXPECT_EQ(rig.twin->targets[1].reflectance, 0.9);
+}
+
+TEST(Rig, ATargetHasNoKeysOfAnotherKindAndNoMoreMarkersThanThereAre) {
+  const std::string target = "[twin]\n[[twin.target]]\nkind = ";
+  EXPECT_THAT(errorOf(withCamera(target + "\"grey_card\"\ncolumns = 7\n")), HasSubstr("columns"));
+  EXPECT_THAT(errorOf(withCamera(target + "\"mirror_sphere\"\nrotation_deg = [0, 0, 1]\n")),
+              HasSubstr("rotation_deg"));
+  EXPECT_THAT(errorOf(withCamera(target + "\"charuco\"\ncolumns = 12\nrows = 9\n")),
+              HasSubstr("50 markers"));
+  EXPECT_THAT(errorOf(withCamera(target + "\"teapot\"\n")), HasSubstr("grey_card"));
 }
 
 TEST(Rig, NumbersOutOfReasonAreRefused) {
