@@ -16,7 +16,8 @@ class EverySpecimen : public testing::TestWithParam<std::string> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(All, EverySpecimen,
-                         testing::Values("banana_ripening", "copper_patination", "grey_card"),
+                         testing::Values("banana_ripening", "copper_patination", "paint_cracking",
+                                         "grey_card"),
                          [](const auto& specimen) { return specimen.param; });
 
 TEST_P(EverySpecimen, StaysWithinTheRangesOfItsMaps) {
@@ -98,6 +99,32 @@ TEST_P(EverySpecimen, HasTheSameTruthAtAnySize) {
     }
     EXPECT_LT(difference / fine_sum, 0.08) << "time " << time << ", texel by texel";
     EXPECT_NEAR(coarse_sum / fine_sum, 1, 0.02) << "time " << time << ", as a whole";
+  }
+}
+
+TEST_P(EverySpecimen, ItsNormalsFollowItsHeights) {
+  const auto specimen = make();
+  const int side = 384;
+  const auto texel_mm = static_cast<float>(specimen->info().width_mm / side);
+  for (const double time : {0.3, 0.8}) {
+    const SurfaceMaps maps = specimen->surfaceAt(time, {side, side});
+    double slope2 = 0, told2 = 0, both = 0;
+    for (int y = 1; y + 1 < side; ++y)
+      for (int x = 1; x + 1 < side; ++x) {
+        const auto& h = maps.height;
+        const float slopes[2] = {(h.at(x + 1, y) - h.at(x - 1, y)) / (2 * texel_mm),
+                                 (h.at(x, y - 1) - h.at(x, y + 1)) / (2 * texel_mm)};
+        for (int c = 0; c < 2; ++c) {
+          const float told = -maps.normal.at(x, y, c) / maps.normal.at(x, y, 2);
+          slope2 += slopes[c] * slopes[c];
+          told2 += told * told;
+          both += slopes[c] * told;
+        }
+      }
+    if (slope2 == 0) continue;  // flat
+    EXPECT_GT(both / std::sqrt(slope2 * told2), 0.5) << "correlation, time " << time;
+    EXPECT_GT(told2 / slope2, 0.25) << time;
+    EXPECT_LT(told2 / slope2, 1.6) << time;
   }
 }
 
