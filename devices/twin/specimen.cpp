@@ -15,6 +15,7 @@ struct Kind {
 constexpr Kind kKinds[] = {
     {bananaInfo, makeBanana},
     {copperInfo, makeCopper},
+    {grassInfo, makeGrass},
     {paintInfo, makePaint},
     {greyCardInfo, makeGreyCard},
 };

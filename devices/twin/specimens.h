@@ -13,6 +13,8 @@ const SpecimenInfo& bananaInfo();
 std::unique_ptr<Specimen> makeBanana(std::uint64_t seed);
 const SpecimenInfo& copperInfo();
 std::unique_ptr<Specimen> makeCopper(std::uint64_t seed);
+const SpecimenInfo& grassInfo();
+std::unique_ptr<Specimen> makeGrass(std::uint64_t seed);
 const SpecimenInfo& paintInfo();
 std::unique_ptr<Specimen> makePaint(std::uint64_t seed);
 const SpecimenInfo& greyCardInfo();

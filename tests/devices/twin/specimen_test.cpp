@@ -16,6 +16,7 @@ class EverySpecimen : public testing::TestWithParam<std::string> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(All, EverySpecimen,
+                         testing::Values("banana_ripening", "copper_patination", "grass_growth",
                          testing::Values("banana_ripening", "copper_patination", "paint_cracking",
                                          "grey_card"),
                          [](const auto& specimen) { return specimen.param; });
