@@ -5,7 +5,8 @@
 //   light = (diffuse + pi f_specular(n, l, v)) (n.l) irradiance visibility
 //
 // with f_specular of ggx.h, or of measured materials (abc.h) blended by the degree where the
-// specimen has them. O(width), vectorised.
+// specimen has them. A texel turned away from the camera shows as if seen along the surface.
+// O(width), vectorised.
 #pragma once
 
 #include "devices/twin/lamp_field.h"

@@ -105,8 +105,9 @@ double ExactLight::reflected(std::size_t texel, int channel, const Vector& l,
   const float* n = &truth_.normal.texels()[3 * texel];
   const Vector facing{n[0], n[1], n[2]};
   const Vector h = normal({l[0] + v[0], l[1] + v[1], l[2] + v[2]});
-  const double n_l = product(facing, l), n_v = product(facing, v), n_h = product(facing, h),
-               v_h = product(v, h);
+  // Turned away from the camera, it shows as if seen along the surface.
+  const double n_l = product(facing, l), n_v = std::max(product(facing, v), 1e-9),
+               n_h = product(facing, h), v_h = product(v, h);
   const double diffuse = truth_.diffuse.texels()[3 * texel + channel] / M_PI;
   if (n_l <= 0) return 0;
   if (const MeasuredReflectance* m = specimen_.measured()) {

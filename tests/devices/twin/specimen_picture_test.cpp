@@ -15,26 +15,32 @@ constexpr SizePx kSize{64, 48};
 TEST(SpecimenPicture, ShowsWhatTheCameraOfTheTwinSeesAndALittleOfTheRoom) {
   const auto copper = makeSpecimen("copper_patination", 3);
   const Image<float> picture = shadedPicture(*copper, 0.4, kSize, kUpperLeft);
-  const CameraView view(SampleGrid::regular(kSize, copper->info().width_mm));
+  // Every pixel is four texels of a view twice as fine.
+  const SizePx fine{2 * kSize.width, 2 * kSize.height};
+  const CameraView view(SampleGrid::regular(fine, copper->info().width_mm));
   const auto surface = copper->prepare(view.ground());
   LampPlace place;
   place.position_mm = kUpperLeft;
+  place.radius_mm = 20;
   const LampField lamp(view, place, false);
   ReliefShadow relief(view.ground());
-  const SurfaceMaps maps = mapsAt(*surface, 0.4, kSize);
-  relief.setHeights(maps.height.texels());
+  relief.setHeights(mapsAt(*surface, 0.4, fine).height.texels());
   const std::vector<float> visibility = relief.visibility(place);
-  SurfaceRow row(kSize.width);
-  std::vector<float> mosaic(kSize.width), scratch;
-  for (int y = 0; y < kSize.height; ++y) {
-    surface->rowAt(0.4, y, row);
-    shadeMosaicRow({row, lamp.row(y, scratch), {}}, y, mosaic.data());
-    for (int x = 0; x < kSize.width; ++x) {
-      const float seen = picture.at(x, y, (x & 1) + (y & 1));
-      const float lit = mosaic[x] * visibility[view.ground().index(x, y)];
-      ASSERT_GE(seen, lit * 0.999f);
-      ASSERT_LE(seen, lit * 1.001f + 0.12f);
+  SurfaceRow row(fine.width);
+  std::vector<float> light(fine.width), scratch;
+  for (int c = 0; c < 3; ++c) {
+    Image<double> lit(kSize.width, kSize.height, 1);
+    for (int y = 0; y < fine.height; ++y) {
+      surface->rowAt(0.4, y, row);
+      shadeChannelRow({row, lamp.row(y, scratch), {}}, c, light.data());
+      for (int x = 0; x < fine.width; ++x)
+        lit.at(x / 2, y / 2) += light[x] * visibility[view.ground().index(x, y)] / 4;
     }
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        ASSERT_GE(picture.at(x, y, c), lit.at(x, y) * 0.999f);
+        ASSERT_LE(picture.at(x, y, c), lit.at(x, y) * 1.001f + 0.12f);
+      }
   }
 }
 

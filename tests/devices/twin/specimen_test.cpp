@@ -15,10 +15,12 @@ class EverySpecimen : public testing::TestWithParam<std::string> {
     return makeSpecimen(GetParam(), seed);
   }
 };
-INSTANTIATE_TEST_SUITE_P(All, EverySpecimen,
-                         testing::Values("banana_ripening", "copper_patination", "grass_growth",
-                         testing::Values("banana_ripening", "copper_patination", "paint_cracking",
-                                         "grey_card"),
+std::vector<std::string> allNames() {
+  std::vector<std::string> names;
+  for (const SpecimenInfo& info : listSpecimens()) names.push_back(info.name);
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(All, EverySpecimen, testing::ValuesIn(allNames()),
                          [](const auto& specimen) { return specimen.param; });
 
 TEST_P(EverySpecimen, StaysWithinTheRangesOfItsMaps) {
@@ -103,13 +105,16 @@ TEST_P(EverySpecimen, HasTheSameTruthAtAnySize) {
   }
 }
 
+// Where one thing ends before another there is a cliff that no normal tells of: texels are counted,
+// not averaged.
 TEST_P(EverySpecimen, ItsNormalsFollowItsHeights) {
+  constexpr float kSteepEnough = 0.05f;  // to have a side
   const auto specimen = make();
   const int side = 384;
   const auto texel_mm = static_cast<float>(specimen->info().width_mm / side);
   for (const double time : {0.3, 0.8}) {
     const SurfaceMaps maps = specimen->surfaceAt(time, {side, side});
-    double slope2 = 0, told2 = 0, both = 0;
+    int steep = 0, alike = 0, same_side = 0;
     for (int y = 1; y + 1 < side; ++y)
       for (int x = 1; x + 1 < side; ++x) {
         const auto& h = maps.height;
@@ -117,15 +122,15 @@ TEST_P(EverySpecimen, ItsNormalsFollowItsHeights) {
                                  (h.at(x, y - 1) - h.at(x, y + 1)) / (2 * texel_mm)};
         for (int c = 0; c < 2; ++c) {
           const float told = -maps.normal.at(x, y, c) / maps.normal.at(x, y, 2);
-          slope2 += slopes[c] * slopes[c];
-          told2 += told * told;
-          both += slopes[c] * told;
+          if (std::min(std::abs(slopes[c]), std::abs(told)) < kSteepEnough) continue;
+          ++steep;
+          same_side += slopes[c] * told > 0;
+          alike += slopes[c] * told > 0 && std::abs(std::log2(slopes[c] / told)) < 1;
         }
       }
-    if (slope2 == 0) continue;  // flat
-    EXPECT_GT(both / std::sqrt(slope2 * told2), 0.5) << "correlation, time " << time;
-    EXPECT_GT(told2 / slope2, 0.25) << time;
-    EXPECT_LT(told2 / slope2, 1.6) << time;
+    if (steep < side) continue;  // flat
+    EXPECT_GT(same_side, 0.6 * steep) << time;
+    EXPECT_GT(alike, 0.4 * steep) << time;
   }
 }
 
