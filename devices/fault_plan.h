@@ -43,8 +43,8 @@ enum class FaultKind {
   kSpecimenBumped,
   kSpecimenWarps,
   // sensors
-  kSensorStuck,
-  kSensorSaturated,
+  kSensorStuck,      // its first reading again and again
+  kSensorSaturated,  // the most it can say
   // Not in the world:
   kSensorSilent,
   // the whole rig (device "rig"): the power fails, what was not synced is lost. Rehearsals only.
@@ -63,11 +63,11 @@ struct Fault {
   FaultKind kind = FaultKind::kHang;
   Nanoseconds duration{};  // zero: one call, the first at or after `at`
   // kLampDrift: share a day; kLampStep: factor - 1; kCameraBumped, kSpecimenBumped: mm along the
-  // plane; kFocusCreep: pixels of blur a day; kCondensation: share of the light that fog scatters;
-  // kPatchSoiled, kPatchSnowed, kPatchOvergrown: share of the patch covered; kSpecimenWarps: share
-  // it shrinks by, grain against grain; others unused.
+  // plane; kFocusCreep: pixels of blur (RMS radius) a day, which stay; kCondensation: share of the
+  // light that fog scatters; kPatchSoiled, kPatchSnowed, kPatchOvergrown: share of the patch
+  // covered; kSpecimenWarps: share it shrinks by, grain against grain; others unused.
   double amount = 0;
-  int line = 0;            // of the faults file, for messages
+  int line = 0;  // of the faults file, for messages
 };
 
 struct FaultPlan {

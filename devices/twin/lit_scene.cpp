@@ -25,19 +25,22 @@ int patchBorderPx(const RectPx& patch) {
   return std::max(1, std::min(patch.width, patch.height) / 16);
 }
 
+RectPx patchInPicture(const PictureLayout& layout, const CameraPose& pose, double mm_per_px) {
+  RectPx seen = layout.patch_px;
+  seen.x += static_cast<int>(std::lround(-pose.moved_mm.x / mm_per_px));
+  seen.y += static_cast<int>(std::lround(pose.moved_mm.y / mm_per_px));
+  return seen;
+}
+
 std::vector<float> patchCard(const PictureLayout& layout, const PatchProfile& profile,
                              const CameraPose& pose, double mm_per_px) {
-  // A bumped camera sees it elsewhere.
-  const int dx = static_cast<int>(std::lround(-pose.moved_mm.x / mm_per_px)),
-            dy = static_cast<int>(std::lround(pose.moved_mm.y / mm_per_px));
-  const RectPx& p = layout.patch_px;
+  const RectPx p = patchInPicture(layout, pose, mm_per_px);
   const int border = patchBorderPx(p);
   std::vector<float> card(static_cast<std::size_t>(layout.size.width) * layout.size.height, -1);
   const auto fill = [&](int grow, double reflectance) {
-    const int y0 = std::max(0, p.y + dy - grow),
-              y1 = std::min(layout.size.height, p.y + dy + p.height + grow),
-              x0 = std::max(0, p.x + dx - grow),
-              x1 = std::min(layout.size.width, p.x + dx + p.width + grow);
+    const int y0 = std::max(0, p.y - grow),
+              y1 = std::min(layout.size.height, p.y + p.height + grow),
+              x0 = std::max(0, p.x - grow), x1 = std::min(layout.size.width, p.x + p.width + grow);
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x)
         card[static_cast<std::size_t>(y) * layout.size.width + x] = static_cast<float>(reflectance);
@@ -157,6 +160,17 @@ std::vector<float> LitScene::underSky() const {
       if (card[x] >= 0) out[x] = card[x];
   }
   targets_.drawSky(1, light);
+  return light;
+}
+
+std::vector<float> LitScene::whiteCard(const LampPlace& place) const {
+  std::vector<float> light(grid().x_mm.size());
+  const LampField field(view_, place, false);
+  forRowBlocks(layout_.size, [&](int y0, int y1) {
+    std::vector<float> scratch;
+    for (int y = y0; y < y1; ++y)
+      shadeCardRow(field.row(y, scratch), layout_.size.width, &light[grid().index(0, y)]);
+  });
   return light;
 }
 

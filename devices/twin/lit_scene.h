@@ -18,6 +18,8 @@ namespace patina::devices::twin {
 
 // Border of near-black card around the grey patch.
 int patchBorderPx(const RectPx& patch);
+// Where a bumped camera sees it; may reach beyond the picture.
+RectPx patchInPicture(const PictureLayout& layout, const CameraPose& pose, double mm_per_px);
 // The card of the grey patch and its border: reflectance a pixel, below 0 where the specimen shows.
 std::vector<float> patchCard(const PictureLayout& layout, const PatchProfile& profile,
                              const CameraPose& pose, double mm_per_px);
@@ -44,6 +46,8 @@ class LitScene {
   std::vector<float> under(const LampPlace& place) const;
   // Light of level 1 from all sides, at the time rendered last.
   std::vector<float> underSky() const;
+  // What a white card that lies flat over everything reflects of a lamp.
+  std::vector<float> whiteCard(const LampPlace& place) const;
 
  private:
   struct LampPicture {

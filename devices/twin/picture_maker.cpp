@@ -6,6 +6,7 @@
 
 #include "devices/twin/row_loop.h"
 #include "devices/twin/troubles.h"
+#include "devices/twin/view_troubles.h"
 
 namespace patina::devices::twin {
 
@@ -57,7 +58,28 @@ std::vector<float> PictureMaker::light(const ShotLight& shot) {
     if (lit[i]) add(light, shot.levels[i], scene_->lamp(i), layout_.size);
   if (sky.dome > 0) add(light, sky.dome, scene_->underSky(), layout_.size);
   if (sky.sun > 0) add(light, sky.sun, scene_->under(sky.sun_place), layout_.size);
+
+  TroubledView view;
+  view.camera = camera_;
+  view.size = layout_.size;
+  view.patch_px = patchInPicture(layout_, scene_->cameraPose(), grid().texel_mm);
+  view.patch_reflectance = world_.profile().patch.reflectance;
+  view.run_time = shot.begin;
+  view.process = world_.duration();
+  view.white_card = [&] { return whiteCard(shot); };
+  troubleView(world_.faults(), view, light);
   return light;
+}
+
+std::vector<float> PictureMaker::whiteCard(const ShotLight& shot) const {
+  const Sky sky = world_.skyAt(shot.begin);
+  std::vector<float> white(grid().x_mm.size(),
+                           static_cast<float>(world_.profile().room.ambient + sky.dome));
+  for (std::size_t i = 0; i < shot.levels.size(); ++i)
+    if (shot.levels[i] > 0)
+      add(white, shot.levels[i], scene_->whiteCard(world_.lampPlace(i)), layout_.size);
+  if (sky.sun > 0) add(white, sky.sun, scene_->whiteCard(sky.sun_place), layout_.size);
+  return white;
 }
 
 RawMosaic PictureMaker::expose(const ShotLight& shot) {

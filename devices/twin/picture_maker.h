@@ -42,6 +42,7 @@ class PictureMaker {
 
  private:
   void place(Nanoseconds run_time);
+  std::vector<float> whiteCard(const ShotLight& shot) const;
 
   const World& world_;
   std::string camera_;

@@ -2,8 +2,10 @@
 #include "devices/twin/twin_devices.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "devices/twin/settings.h"
+#include "devices/twin/troubles.h"
 #include "processing/image/random.h"
 
 namespace patina::devices::twin {
@@ -81,8 +83,8 @@ class TwinSensor final : public Sensor {
         break;
     }
     Reading reading;
-    reading.value = std::clamp(value, caps_.minimum, caps_.maximum);
-    reading.saturated = value >= caps_.maximum;
+    reading.value = troubled(std::clamp(value, caps_.minimum, caps_.maximum), now);
+    reading.saturated = reading.value >= caps_.maximum;
     reading.utc = world_->clock().utc();
     reading.mono = world_->clock().mono();
     return reading;
@@ -90,7 +92,23 @@ class TwinSensor final : public Sensor {
   Result<void> recover() override { return {}; }
 
  private:
+  bool has(FaultKind kind, Nanoseconds now) const {
+    return std::ranges::any_of(world_->faults().faults, [&](const Fault& fault) {
+      return fault.kind == kind && fault.device == caps_.id && isActive(fault, now);
+    });
+  }
+  double troubled(double value, Nanoseconds now) {
+    if (has(FaultKind::kSensorSaturated, now)) return caps_.maximum;
+    if (!has(FaultKind::kSensorStuck, now)) {
+      stuck_at_.reset();
+      return value;
+    }
+    if (!stuck_at_) stuck_at_ = value;
+    return *stuck_at_;
+  }
+
   std::shared_ptr<World> world_;
+  std::optional<double> stuck_at_;  // the first reading since the fault's begin
   std::array<double, 3> position_mm_{};
   std::uint64_t seed_ = 0;
   SensorCaps caps_;

@@ -59,7 +59,37 @@ World::World(const RigSpec& spec, const TwinOptions& options, Clock& clock)
     settings.finish();
     lamps_.emplace_back(light, incandescent, profile_.lamp, options_.faults, options_.seed,
                         runTime());
+    told_.push_back(lamps_.back().set());
   }
+  for (const Fault& fault : options_.faults.faults)
+    if (fault.kind == FaultKind::kWrongLamp)
+      for (const Nanoseconds move : {fault.at, fault.at + fault.duration}) moves_.push_back(move);
+  std::ranges::sort(moves_);
+  passed_ = runTime();
+  if (!moves_.empty()) pass(passed_);
+}
+
+bool World::isMisled(std::size_t lamp, Nanoseconds run_time) const {
+  return std::ranges::any_of(options_.faults.faults, [&](const Fault& fault) {
+    return fault.kind == FaultKind::kWrongLamp && fault.device == spec_.lights[lamp].id &&
+           isActive(fault, run_time);
+  });
+}
+
+void World::pass(Nanoseconds run_time) {
+  std::vector<double> levels(lamps_.size());
+  for (std::size_t i = 0; i < lamps_.size(); ++i) {
+    double& level = levels[isMisled(i, run_time) ? (i + 1) % lamps_.size() : i];
+    level = std::max(level, told_[i]);
+  }
+  for (std::size_t i = 0; i < lamps_.size(); ++i)
+    if (lamps_[i].set() != levels[i]) lamps_[i].set(levels[i], run_time);
+}
+
+void World::passTo(Nanoseconds run_time) {
+  for (const Nanoseconds move : moves_)
+    if (move > passed_ && move <= run_time) pass(move);
+  passed_ = std::max(passed_, run_time);
 }
 
 double World::specimenTimeAt(Nanoseconds run_time) const {
@@ -82,16 +112,16 @@ double World::humidityAt(Nanoseconds run_time) const {
 
 void World::setLamp(std::size_t lamp, double level) {
   const std::lock_guard lock(mutex_);
-  lamps_[lamp].set(level, runTime());
+  const Nanoseconds now = runTime();
+  if (moves_.empty()) return lamps_[lamp].set(level, now);
+  passTo(now);
+  told_[lamp] = level;
+  pass(now);
 }
 
-double World::lampSetting(std::size_t lamp) const {
+std::vector<double> World::levelsOver(Nanoseconds begin, Nanoseconds exposure) {
   const std::lock_guard lock(mutex_);
-  return lamps_[lamp].set();
-}
-
-std::vector<double> World::levelsOver(Nanoseconds begin, Nanoseconds exposure) const {
-  const std::lock_guard lock(mutex_);
+  passTo(begin);
   std::vector<double> levels;
   levels.reserve(lamps_.size());
   for (const Lamp& lamp : lamps_) levels.push_back(lamp.levelOver(begin, exposure));
@@ -109,8 +139,9 @@ SpecimenPose World::specimenPoseAt(Nanoseconds run_time) const {
   return twin::specimenPoseAt(options_.faults, run_time, options_.duration);
 }
 
-Lux World::illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time) const {
+Lux World::illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time) {
   const std::lock_guard lock(mutex_);
+  passTo(run_time);
   double level = profile_.room.ambient;
   for (std::size_t i = 0; i < lamps_.size(); ++i)
     level += lamps_[i].steadyLevelAt(run_time) * relativeIrradiance(places_[i], position_mm);

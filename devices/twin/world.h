@@ -30,32 +30,40 @@ class World {
   const RigSpec& spec() const { return spec_; }
   std::uint64_t seed() const { return options_.seed; }
 
+  Nanoseconds duration() const { return options_.duration; }  // of the specimen's process
   Nanoseconds runTime() const { return clock_.utc() - options_.start_utc; }
   double specimenTimeAt(Nanoseconds run_time) const;  // [0,1]
   Celsius temperatureAt(Nanoseconds run_time) const;  // of the air, noiseless
   double humidityAt(Nanoseconds run_time) const;      // percent, noiseless
 
   std::size_t lampCount() const { return lamps_.size(); }
+  // What is said to a lamp. Under a fault of kind wrong_lamp the next one hears it, and lamps obey
+  // the brightest they are told: as if plugs had been moved.
   void setLamp(std::size_t lamp, double level);
-  double lampSetting(std::size_t lamp) const;
   // Mean level of every lamp over an exposure, in the rig file's order.
-  std::vector<double> levelsOver(Nanoseconds begin, Nanoseconds exposure) const;
+  std::vector<double> levelsOver(Nanoseconds begin, Nanoseconds exposure);
   LampPlace lampPlace(std::size_t lamp) const;
   Sky skyAt(Nanoseconds run_time) const;
   SpecimenPose specimenPoseAt(Nanoseconds run_time) const;
   const FaultPlan& faults() const { return options_.faults; }
-  Lux illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time) const;
+  Lux illuminanceAt(std::array<double, 3> position_mm, Nanoseconds run_time);
 
  private:
   double dayPhase(Nanoseconds run_time) const;  // 1 at 15:00 UTC, -1 at 03:00
+  bool isMisled(std::size_t lamp, Nanoseconds run_time) const;
+  void pass(Nanoseconds run_time);    // what is said on to the lamps, as plugs are then
+  void passTo(Nanoseconds run_time);  // at every move of a plug until then
 
   RigSpec spec_;
   TwinOptions options_;
   Clock& clock_;
   const Profile& profile_;
   std::unique_ptr<Specimen> specimen_;
-  mutable std::mutex mutex_;  // guards lamps_
+  std::mutex mutex_;  // guards lamps_, told_, passed_
   std::vector<Lamp> lamps_;
+  std::vector<double> told_;
+  Nanoseconds passed_{};
+  std::vector<Nanoseconds> moves_;  // of plugs, in order
   std::vector<LampPlace> places_;
 };
 
