@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "devices/twin/specimen.h"
 
+#include "devices/twin/paired_processes.h"
 #include "devices/twin/row_loop.h"
 #include "devices/twin/specimens.h"
+#include "processing/image/random.h"
 
 namespace patina::devices::twin {
 
@@ -13,11 +15,8 @@ struct Kind {
   std::unique_ptr<Specimen> (*make)(std::uint64_t seed);
 };
 constexpr Kind kKinds[] = {
-    {bananaInfo, makeBanana},
-    {copperInfo, makeCopper},
-    {grassInfo, makeGrass},
-    {paintInfo, makePaint},
-    {greyCardInfo, makeGreyCard},
+    {bananaInfo, makeBanana}, {copperInfo, makeCopper},     {grassInfo, makeGrass},
+    {paintInfo, makePaint},   {greyCardInfo, makeGreyCard},
 };
 
 }  // namespace
@@ -45,6 +44,9 @@ std::vector<SpecimenInfo> listSpecimens() {
 }
 
 std::unique_ptr<Specimen> makeSpecimen(const std::string& name, std::uint64_t seed) {
+  if (const std::size_t plus = name.find('+'); plus != std::string::npos)
+    return pairProcesses(makeSpecimen(name.substr(0, plus), seed),
+                         makeSpecimen(name.substr(plus + 1), hashSeed(seed, 0x2a1full)));
   std::string known;
   for (const Kind& kind : kKinds) {
     if (kind.info().name == name) return kind.make(seed);

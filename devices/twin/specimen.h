@@ -104,7 +104,8 @@ class Specimen {
 };
 
 std::vector<SpecimenInfo> listSpecimens();
-// Throws ProcessingError(kUsage) naming the specimens there are.
+// "NAME", or "NAME+NAME" for two processes at once (paired_processes.h). Throws
+// ProcessingError(kUsage) naming the specimens there are.
 std::unique_ptr<Specimen> makeSpecimen(const std::string& name, std::uint64_t seed);
 
 // All maps of a prepared surface; rows in parallel.

@@ -67,7 +67,7 @@ TEST(ImageSensor, PhotonTransferGivesTheGainOfTheProfile) {
   shot.noise_key = 2;
   const Statistics high = readOut(sensor, 22'000, shot);
   const double electrons_per_step = (high.mean - low.mean) / (high.variance - low.variance);
-  EXPECT_NEAR(electrons_per_step / (30'000.0 / (4095 - 64)), 1, 0.02);
+  EXPECT_NEAR(electrons_per_step / (30'000.0 / (4095 - 64)), 1, 0.01);
 }
 
 TEST(ImageSensor, DarkPicturesShowTheReadNoiseAndTheBlackLevel) {

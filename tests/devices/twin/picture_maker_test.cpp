@@ -2,6 +2,7 @@
 #include "devices/twin/picture_maker.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 
@@ -83,6 +84,60 @@ TEST(PictureMaker, TwoLightStatesOfOneStepSeeTheSameSpecimen) {
   const RawMosaic cached = a.maker.expose(a.shot(1, 0, 80h + 200ms));
   const RawMosaic alone = b.maker.expose(b.shot(1, 0, 80h + 200ms));
   EXPECT_EQ(cached.samples.texels(), alone.samples.texels());
+}
+
+// Large enough for several threads, with all physics there is.
+RigSpec everything() {
+  return parseRig(
+      "[[camera]]\nid = 'cam0'\nbackend = 'twin'\n"
+      "[[light]]\nid = 'key'\nbackend = 'twin'\nposition_mm = [-200, 150, 120]\n"
+      "[[light]]\nid = 'fill'\nbackend = 'twin'\nposition_mm = [300, 100, 400]\n"
+      "settings = { beam_deg = 30.0 }\n"
+      "[twin]\nspecimen = 'copper_patination'\nsize = '320x256'\nshadows = true\n"
+      "surroundings = 'daylight'\n"
+      "[[twin.target]]\nkind = 'mirror_sphere'\nposition_mm = [-20, 10, 4]\nwidth_mm = 8.0\n",
+      "rig.toml");
+}
+
+TEST(PictureMaker, GivesTheSameBytesForOneThreadAndForMore) {
+  const auto exposed = [](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Studio studio(everything());
+    return studio.maker.expose(studio.shot(0.9, 0.4, 2h)).samples.texels();
+  };
+  const auto one = exposed(1);
+  EXPECT_EQ(exposed(2), one);
+  EXPECT_EQ(exposed(4), one);
+}
+
+// A time of day at which the sun shines, and lamps that do not.
+TEST(PictureMaker, ShowsTheDayWithoutLamps) {
+  RigSpec spec = everything();
+  Studio day(spec);
+  const double noon = meanAbove(day.maker.expose(day.shot(0, 0, 12h)), {100, 20, 100, 60}),
+               midnight = meanAbove(day.maker.expose(day.shot(0, 0, 24h)), {100, 20, 100, 60});
+  EXPECT_GT(noon, 100);
+  EXPECT_LT(midnight, 5);
+}
+
+TEST(PictureMaker, ShadowsTakeLightAndNeverGiveIt) {
+  RigSpec spec = everything();
+  spec.twin->surroundings = Surroundings::kDark;
+  spec.twin->specimen = "grass_growth";
+  spec.twin->size = {128, 96};
+  Studio with(spec);
+  spec.twin->shadows = false;
+  Studio without(spec);
+  const auto a = with.maker.light(with.shot(1, 0, 60h)),
+             b = without.maker.light(without.shot(1, 0, 60h));
+  double lost = 0, all = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_LE(a[k], b[k] * 1.000001f);
+    lost += b[k] - a[k];
+    all += b[k];
+  }
+  EXPECT_GT(lost / all, 0.05) << "blades shade each other";
+  EXPECT_LT(lost / all, 0.8);
 }
 
 TEST(PictureMaker, ExposureApertureAndIsoScaleTheNumbers) {

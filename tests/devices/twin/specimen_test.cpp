@@ -6,6 +6,9 @@
 
 #include <cmath>
 
+#include "processing/brdf/abc.h"
+#include "processing/brdf/ggx.h"
+
 namespace patina::devices::twin {
 namespace {
 
@@ -102,6 +105,30 @@ TEST_P(EverySpecimen, HasTheSameTruthAtAnySize) {
     }
     EXPECT_LT(difference / fine_sum, 0.08) << "time " << time << ", texel by texel";
     EXPECT_NEAR(coarse_sum / fine_sum, 1, 0.02) << "time " << time << ", as a whole";
+  }
+}
+
+// Seen from within 60 degrees of the normal: beyond, Lambert's diffuse part does not know what
+// gloss has taken.
+TEST_P(EverySpecimen, NeverReflectsMoreThanItReceives) {
+  const auto specimen = make();
+  const MeasuredReflectance* measured = specimen->measured();
+  for (const double time : {0.1, 0.5, 1.0}) {
+    const SurfaceMaps maps = specimen->surfaceAt(time, {24, 24});
+    for (const int k : {3, 150, 290, 431}) {
+      const int x = k % 24, y = k / 24;
+      for (const float n_v : {1.0f, 0.5f})
+        for (int c = 0; c < 3; ++c) {
+          const double degree = maps.degree.at(x, y);
+          const double gloss =
+              measured ? (1 - degree) * brdf::abcDirectionalAlbedo(measured->fresh, c, n_v, 48) +
+                             degree * brdf::abcDirectionalAlbedo(measured->aged, c, n_v, 48)
+                       : brdf::ggxDirectionalAlbedo(n_v, maps.specular.at(x, y, c),
+                                                    maps.roughness.at(x, y), 48);
+          EXPECT_LE(maps.diffuse.at(x, y, c) + gloss, 1.0)
+              << "time " << time << " texel " << x << "," << y << " n.v " << n_v;
+        }
+    }
   }
 }
 
