@@ -79,7 +79,7 @@ TEST(ImageSensor, DarkPicturesShowTheReadNoiseAndTheBlackLevel) {
   const double electrons_per_step = profile().electronsPerStep() / 16;
   EXPECT_NEAR(dark.mean, 64, 0.1);
   const double read = std::sqrt(dark.variance - 1.0 / 12) * electrons_per_step;
-  EXPECT_NEAR(read / 3.0, 1, 0.02);
+  EXPECT_NEAR(read / 3.0, 1, 0.01);
 }
 
 TEST(ImageSensor, FaintLightIsPoissonDistributed) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "devices/config_file.h"
-#include "tests/devices/twin/bench_rig.h"
+#include "tests/devices/twin/troubled_frames.h"
 
 namespace patina::devices::twin {
 namespace {
@@ -79,6 +79,68 @@ TEST(TwinSensor, ADeadLampShowsInLux) {
   EXPECT_EQ(bench.rig.sensors[0]->read()->value, 0);
   bench.advance(1h);
   EXPECT_GT(bench.rig.sensors[0]->read()->value, 700);
+}
+
+TEST(TwinSensor, AStuckOneSaysItsFirstReadingAgainAndAgain) {
+  TwinOptions options;
+  options.faults.faults = {faultOf("lux", FaultKind::kSensorStuck, 0, 1h, 2h)};
+  Bench bench(benchRig("grey_card", "64x48"), options);
+  Sensor& lux = *bench.rig.sensors[0];
+  bench.light(0, 1);
+  bench.advance(90min);
+  const double stuck = lux.read()->value;
+  EXPECT_GT(stuck, 700);
+  bench.light(0, 0);
+  bench.advance(1h);
+  EXPECT_EQ(lux.read()->value, stuck);
+  EXPECT_EQ(lux.read()->utc, bench.clock.utc()) << "only its number is old";
+  bench.advance(1h);
+  EXPECT_EQ(lux.read()->value, 0);
+}
+
+TEST(TwinSensor, ASaturatedOneSaysItsMaximumAndThatItIsSaturated) {
+  TwinOptions options;
+  options.faults.faults = {faultOf("air", FaultKind::kSensorSaturated, 0, 1h, 2h)};
+  Bench bench(benchRig("grey_card", "64x48"), options);
+  Sensor& air = *bench.rig.sensors[1];
+  bench.advance(2h);
+  EXPECT_EQ(air.read()->value, air.caps().maximum);
+  EXPECT_TRUE(air.read()->saturated);
+  bench.advance(2h);
+  EXPECT_NEAR(air.read()->value, 20, 2.5);
+  EXPECT_FALSE(air.read()->saturated);
+}
+
+TEST(TwinLight, UnderTheWrongLampThePictureIsThatOfTheNextLamp) {
+  const RigSpec spec = benchRig("grey_card", "64x48");
+  const Fault wrong = faultOf("key", FaultKind::kWrongLamp, 0, 10h, 20h);
+  const auto key_at = [&](const std::vector<Fault>& faults, Nanoseconds at) {
+    return frameAt(spec, faults, at, {1, 0}).samples.texels();
+  };
+  EXPECT_EQ(key_at({wrong}, 20h), frameAt(spec, {}, 20h, {0, 1}).samples.texels());
+  EXPECT_NE(key_at({wrong}, 20h), key_at({}, 20h));
+  EXPECT_EQ(key_at({wrong}, 40h), key_at({}, 40h));
+  const Fault cyclic = faultOf("fill", FaultKind::kWrongLamp, 0, 10h, 20h);
+  EXPECT_EQ(frameAt(spec, {cyclic}, 20h, {0, 1}).samples.texels(), key_at({}, 20h))
+      << "the next of the last is the first";
+}
+
+TEST(TwinLight, PlugsThatAreMovedWhileALampIsLitMoveItsLight) {
+  TwinOptions options;
+  options.faults.faults = {faultOf("key", FaultKind::kWrongLamp, 0, 10h, 2h)};
+  RigSpec spec = benchRig("grey_card", "64x48");
+  spec.lights[1].position_mm = {0, 0, 500};
+  Bench bench(spec, options);
+  Sensor& lux = *bench.rig.sensors[0];
+  bench.light(0, 1);
+  bench.advance(9h);
+  const double warm = lux.read()->value;
+  bench.advance(1h + 1s);
+  EXPECT_NEAR(lux.read()->value / warm, 0.97, 0.005) << "the other lamp was cold";
+  bench.advance(1h);
+  EXPECT_NEAR(lux.read()->value / warm, 1, 0.005);
+  bench.advance(1h);
+  EXPECT_NEAR(lux.read()->value / warm, 0.97, 0.005) << "so is this one by now";
 }
 
 TEST(TwinSensor, ASettingItDoesNotKnowIsRefused) {
