@@ -19,6 +19,8 @@ const SpecimenInfo& paintInfo();
 std::unique_ptr<Specimen> makePaint(std::uint64_t seed);
 const SpecimenInfo& greyCardInfo();
 std::unique_ptr<Specimen> makeGreyCard(std::uint64_t seed);
+const SpecimenInfo& snowInfo();
+std::unique_ptr<Specimen> makeSnow(std::uint64_t seed);
 
 // The last regular grid asked for, prepared. Thread-safe.
 class RegularSurface {

@@ -34,6 +34,11 @@ BENCHMARK_CAPTURE(BM_TwinSurface, grass, "grass_growth")
     ->Args({64, 48})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+BENCHMARK_CAPTURE(BM_TwinSurface, snow, "snow_accumulation")
+    ->Args({512, 512})
+    ->Args({64, 48})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 // Every shot at another time of a week, one lamp lit.
 void BM_TwinShot(benchmark::State& state, const std::string& format) {
