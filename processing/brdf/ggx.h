@@ -28,7 +28,7 @@ inline float smithVisibility(float n_l, float n_v, float alpha) {
   const float a2 = alpha * alpha, rest = 1.0f - a2;
   const float lv = n_v * std::sqrt(n_l * n_l * rest + a2);
   const float ll = n_l * std::sqrt(n_v * n_v * rest + a2);
-  return 0.5f / (lv + ll + 1e-7f);
+  return 0.5f / (lv + ll + 1e-20f);
 }
 
 // (1 - v.h)^5; F = f0 + (1 - f0) * this.

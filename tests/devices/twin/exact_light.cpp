@@ -57,28 +57,17 @@ double lampOnPlane(const ExactLamp& lamp, const Vector& at, const Vector& facing
 
 }  // namespace
 
-ExactLight::ExactLight(const Specimen& specimen, double time, ExactCamera camera,
-                       ExactRelief relief, std::vector<ExactLamp> lamps)
+ExactLight::ExactLight(const Specimen& specimen, double time, const SampleGrid& places,
+                       ExactCamera camera, ExactRelief relief, std::vector<ExactLamp> lamps)
     : specimen_(specimen), camera_(camera), relief_(std::move(relief)), lamps_(std::move(lamps)) {
-  SampleGrid grid;
-  grid.size = camera.size;
-  for (int y = 0; y < camera.size.height; ++y)
-    for (int x = 0; x < camera.size.width; ++x) {
+  for (int y = 0; y < camera_.size.height; ++y)
+    for (int x = 0; x < camera_.size.width; ++x) {
       const Vector point = look(x, y).point;
-      grid.x_mm.push_back(static_cast<float>(point[0]));
-      grid.y_mm.push_back(static_cast<float>(point[1]));
+      const std::size_t k = places.index(x, y);
+      farthest_mm_ = std::max(
+          {farthest_mm_, std::abs(point[0] - places.x_mm[k]), std::abs(point[1] - places.y_mm[k])});
     }
-  // Texels are as large as the distance of two in the middle.
-  const Vector a = look(camera.size.width / 2 - 1, camera.size.height / 2 - 1).point,
-               b = look(camera.size.width / 2, camera.size.height / 2).point;
-  grid.texel_mm = static_cast<float>(length(minus(b, a)) / std::sqrt(2.0));
-  if (camera.distant) {
-    const double focal = camera.focal_widths * camera.size.width,
-                 corner = std::hypot(camera.size.width, camera.size.height) / 2 / focal;
-    grid.texel_mm = static_cast<float>(specimen.info().width_mm / camera.size.width * corner /
-                                       before(corner, camera.k1, camera.k2));
-  }
-  truth_ = mapsAt(*specimen.prepare(grid), time, camera.size);
+  truth_ = mapsAt(*specimen.prepare(places), time, camera_.size);
 }
 
 ExactLight::Seen ExactLight::look(int x, int y) const {
@@ -107,7 +96,7 @@ double ExactLight::reflected(std::size_t texel, int channel, const Vector& l,
   const Vector h = normal({l[0] + v[0], l[1] + v[1], l[2] + v[2]});
   // Turned away from the camera, it shows as if seen along the surface.
   const double n_l = product(facing, l), n_v = std::max(product(facing, v), 1e-9),
-               n_h = product(facing, h), v_h = product(v, h);
+               n_h = std::max(product(facing, h), 1e-9), v_h = product(v, h);
   const double diffuse = truth_.diffuse.texels()[3 * texel + channel] / M_PI;
   if (n_l <= 0) return 0;
   if (const MeasuredReflectance* m = specimen_.measured()) {

@@ -33,8 +33,12 @@ struct ExactRelief {
 
 class ExactLight {
  public:
-  ExactLight(const Specimen& specimen, double time, ExactCamera camera, ExactRelief relief,
-             std::vector<ExactLamp> lamps);
+  // `places` are those the camera under test says its pixels see, as the truth takes them: a sharp
+  // rim feels the last digit of a float.
+  ExactLight(const Specimen& specimen, double time, const SampleGrid& places, ExactCamera camera,
+             ExactRelief relief, std::vector<ExactLamp> lamps);
+  // How far these lie at most from where the pixels see by this evaluation.
+  double farthestMm() const { return farthest_mm_; }
   // Light of the pixel's mosaic channel, in units of a white diffuser at the origin.
   double at(int x, int y) const;
 
@@ -52,6 +56,7 @@ class ExactLight {
   ExactRelief relief_;
   std::vector<ExactLamp> lamps_;
   SurfaceMaps truth_;  // under every pixel
+  double farthest_mm_ = 0;
 };
 
 }  // namespace patina::devices::twin

@@ -76,7 +76,7 @@ TEST_P(Truth, IsWhatTheNoiselessCameraSees) {
   shot.levels = {0.8, 0.5};
   const std::vector<float> seen = maker.light(shot);
   const ExactLight exact(
-      world.specimen(), kTime, camera,
+      world.specimen(), kTime, maker.grid(), camera,
       shadows ? reliefOf(world.specimen(), maker.grid()) : ExactRelief{},
       {{{-180, 150, 120}, {}, 0, 12, 0.8}, {{90, 160, 70}, {5, -5, 0}, 40, 20, 0.5}});
   const RectPx patch = maker.layout().patch_px;
@@ -89,6 +89,7 @@ TEST_P(Truth, IsWhatTheNoiselessCameraSees) {
       ++compared;
       shaded += truth < 0.005;
     }
+  EXPECT_LE(exact.farthestMm(), 1e-4);
   EXPECT_LE(worst, kAgreesTo) << compared << " pixels, " << shaded << " in shadow";
   EXPECT_GT(compared, 4000);
 }
