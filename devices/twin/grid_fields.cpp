@@ -30,6 +30,18 @@ void differentiate(const SampleGrid& grid, const std::vector<float>& field, std:
     }
 }
 
+void soften(const SampleGrid& grid, const FrontEdge& edge, std::vector<float>& arrival,
+            std::vector<float>& inverse_width, std::vector<float>& dx, std::vector<float>& dy) {
+  differentiate(grid, arrival, dx, dy, edge.slope_max);
+  for (std::size_t k = 0; k < arrival.size(); ++k) {
+    const float slope = std::hypot(dx[k], dy[k]);
+    const float rim = std::min(std::hypot(edge.time, edge.mm * slope), edge.width_max);
+    const float width = std::min(std::hypot(rim, grid.texel_mm * slope), edge.width_max);
+    arrival[k] -= (width - rim) / 2;
+    inverse_width[k] = 1 / width;
+  }
+}
+
 Bounds boundsOf(const SampleGrid& grid, float margin_mm) {
   const auto [x0, x1] = std::minmax_element(grid.x_mm.begin(), grid.x_mm.end());
   const auto [y0, y1] = std::minmax_element(grid.y_mm.begin(), grid.y_mm.end());

@@ -16,7 +16,8 @@ struct Kind {
 };
 constexpr Kind kKinds[] = {
     {bananaInfo, makeBanana}, {copperInfo, makeCopper}, {grassInfo, makeGrass},
-    {paintInfo, makePaint},   {snowInfo, makeSnow},     {greyCardInfo, makeGreyCard},
+    {paintInfo, makePaint},   {snowInfo, makeSnow},     {steelInfo, makeSteel},
+    {woodInfo, makeWood},     {greyCardInfo, makeGreyCard},
 };
 
 }  // namespace

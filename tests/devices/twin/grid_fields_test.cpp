@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace patina::devices::twin {
 namespace {
 
@@ -25,6 +27,35 @@ TEST(GridFields, DerivativesAreClamped) {
   differentiate(grid, cliff, dx, dy, 1.5f);
   EXPECT_EQ(dx[1], 1.5f);
   EXPECT_EQ(dy[1], 0.0f);
+}
+
+// Arrivals that rise by 0.1 a mm, on texels of `texel_mm`: when a texel in the middle begins and
+// ends.
+std::pair<float, float> softened(float texel_mm, const FrontEdge& edge) {
+  const SampleGrid grid = SampleGrid::regular({8, 8}, 8 * texel_mm);
+  std::vector<float> arrival(64), inverse_width(64), dx(64), dy(64);
+  for (std::size_t k = 0; k < 64; ++k) arrival[k] = 0.5f + 0.1f * grid.x_mm[k];
+  const float before = arrival[27];
+  soften(grid, edge, arrival, inverse_width, dx, dy);
+  EXPECT_NEAR(dx[27], 0.1f, 1e-4);
+  return {arrival[27] - before, arrival[27] + 1 / inverse_width[27] - before};
+}
+
+TEST(GridFields, AFrontIsNeverSharperThanItsEdge) {
+  const auto [begin, end] = softened(1e-3f, {0.03f, 0.4f, 0.5f, 1.0f});
+  EXPECT_NEAR(begin, 0, 1e-5);
+  EXPECT_NEAR(end, 0.05f, 1e-4) << "3, 4, 5: 0.03 in time and 0.4 mm of 0.1 a mm";
+}
+
+TEST(GridFields, AFrontIsNoSharperThanATexelAndKeepsItsMiddle) {
+  const auto [begin, end] = softened(1.2f, {0.03f, 0.4f, 0.5f, 1.0f});
+  EXPECT_NEAR(end - begin, 0.13f, 1e-4) << "5, 12, 13";
+  EXPECT_NEAR((begin + end) / 2, 0.025f, 1e-4);
+}
+
+TEST(GridFields, AFrontIsNeverWiderThanItsLimit) {
+  const auto [begin, end] = softened(4, {0.03f, 0.4f, 0.2f, 1.0f});
+  EXPECT_NEAR(end - begin, 0.2f, 1e-4);
 }
 
 TEST(GridFields, BoundsHoldTheGridAndTheMargin) {
