@@ -14,7 +14,7 @@ bool leavesFacts(AlertKind kind) {
   return kind == AlertKind::kCameraDown || kind == AlertKind::kLightHeld ||
          kind == AlertKind::kLightDrifting || kind == AlertKind::kLampDead ||
          kind == AlertKind::kClipping || kind == AlertKind::kSensorBand ||
-         kind == AlertKind::kSensorSilent;
+         kind == AlertKind::kSensorSilent || kind == AlertKind::kSensorDoubtful;
 }
 
 }  // namespace
@@ -34,10 +34,10 @@ std::string formatLasted(Nanoseconds lasted) {
 
 const char* name(AlertKind kind) {
   static constexpr std::array<const char*, kAlertKindCount> kNames = {
-      "no_frames",      "camera_down",   "light_held", "light_drifting",
-      "lamp_dead",      "light_changed", "clipping",   "sensor_band",
-      "sensor_silent",  "disk_filling",  "disk_full",  "clock_step",
-      "driver_restart", "scrub_error",   "archive_io", "stalled"};
+      "no_frames",     "camera_down", "light_held",  "light_drifting", "lamp_dead",
+      "light_changed", "clipping",    "sensor_band", "sensor_silent",  "sensor_doubtful",
+      "disk_filling",  "disk_full",   "clock_step",  "driver_restart", "scrub_error",
+      "archive_io",    "stalled"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -73,6 +73,8 @@ std::string describe(AlertKind kind, const std::string& subject) {
       return "surroundings out of band";
     case AlertKind::kSensorSilent:
       return "sensor " + subject + " silent";
+    case AlertKind::kSensorDoubtful:
+      return "sensor " + subject + " doubtful";
     case AlertKind::kDiskFilling:
       return "disk filling";
     case AlertKind::kDiskFull:
@@ -109,6 +111,7 @@ AlertRules defaultAlertRules(Nanoseconds interval) {
   set(AlertKind::kClipping, {Severity::kWarning, 30min, two_steps, daily});
   set(AlertKind::kSensorBand, {Severity::kWarning, 10min, two_steps, daily});
   set(AlertKind::kSensorSilent, {Severity::kWarning, 10min, two_steps, daily});
+  set(AlertKind::kSensorDoubtful, {Severity::kWarning, 10min, two_steps, daily});
   set(AlertKind::kDiskFilling, {Severity::kWarning, 10min, 1h, daily});
   set(AlertKind::kDiskFull, {Severity::kCritical, 0s, two_steps, often});
   set(AlertKind::kClockStep, {Severity::kInfo, 0s, 1h, {}});

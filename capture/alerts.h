@@ -31,15 +31,16 @@ enum class AlertKind {
   kClipping,
   kSensorBand,  // temperature or humidity out of its band: shots are not taken
   kSensorSilent,
-  kDiskFilling,  // will be full before the run is over
-  kDiskFull,     // no new captures
+  kSensorDoubtful,  // stuck, or at the end of its range (sensor_watch.h)
+  kDiskFilling,     // will be full before the run is over
+  kDiskFull,        // no new captures
   kClockStep,
   kDriverRestart,
   kScrubError,  // an archived file is not what it was
   kArchiveIo,   // the session ended
   kStalled      // the session itself has not moved
 };
-constexpr int kAlertKindCount = 16;
+constexpr int kAlertKindCount = 17;
 const char* name(AlertKind kind);                                  // "camera_down"
 std::string describe(AlertKind kind, const std::string& subject);  // "camera cam0 down"
 

@@ -77,6 +77,13 @@ void Lamps::rest() {
   }
 }
 
+std::vector<std::string> Lamps::lit() const {
+  std::vector<std::string> ids;
+  for (const Lamp& lamp : lamps_)
+    if (lamp.on) ids.push_back(lamp.id);
+  return ids;
+}
+
 void Lamps::allOff() {
   for (Lamp& lamp : lamps_) static_cast<void>(put(lamp, false));
 }

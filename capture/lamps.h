@@ -26,6 +26,7 @@ class Lamps {
   // light state: a lamp that a hold had left burning would be warmer at the next shot than the one
   // the light gate knows, and be held for ever. Failures are found by the next apply().
   void rest();
+  std::vector<std::string> lit() const;  // as they were told, in the order of the rig
   // At the end of a run: off, whatever `between` says.
   void allOff();
 

@@ -138,6 +138,8 @@ void StepRunner::readSensors() {
       row.utc = reading->utc;
       row.quality = reading->saturated ? "saturated" : "ok";
       alerts_.clear(AlertKind::kSensorSilent, caps.id, moment());
+      sensors_.atRest({caps.id, caps.quantity, *reading}, lamps_.lit());
+      watchSensor(caps.id);
     } else {
       row.quality = "silent";
       alerts_.raise(AlertKind::kSensorSilent, caps.id, reading.error().what, moment());
@@ -146,6 +148,14 @@ void StepRunner::readSensors() {
     rows.push_back(std::move(row));
   }
   if (!rows.empty()) archive_.addReadings(rows);
+}
+
+void StepRunner::watchSensor(const std::string& id) {
+  const std::string doubt = sensors_.doubt(id);
+  if (doubt.empty())
+    alerts_.clear(AlertKind::kSensorDoubtful, id, moment());
+  else
+    alerts_.raise(AlertKind::kSensorDoubtful, id, doubt, moment());
 }
 
 std::vector<SensorSample> StepRunner::sensorSamples(bool lux) {

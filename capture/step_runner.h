@@ -23,6 +23,7 @@
 #include "capture/lamps.h"
 #include "capture/light_gate.h"
 #include "capture/plan.h"
+#include "capture/sensor_watch.h"
 #include "capture/session.h"
 #include "db/archive.h"
 #include "devices/clock.h"
@@ -102,6 +103,7 @@ class StepRunner {
   void accept(Attempt& attempt, Group& group, std::span<const db::LightCheckRow> checks);
   void watchLight(const std::string& state, const GateVerdict& verdict);
   void watchClipping(const Attempt& attempt, const std::string& state);
+  void watchSensor(const std::string& id);
   void fail(Attempt& attempt, const devices::Error& error);
   void settled(const db::ShotRow& shot);
   void verdicts(std::span<const db::LightCheckRow> rows);
@@ -125,6 +127,7 @@ class StepRunner {
   std::vector<std::unique_ptr<CameraUnit>> units_;
   Lamps lamps_;
   LightGate gate_;
+  SensorWatch sensors_;
   Alerts alerts_;
   EventLog log_;
   std::string light_summary_;

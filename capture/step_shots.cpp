@@ -13,16 +13,19 @@ constexpr double kDarkLevel = 0.004, kDarkShare = 0.1;  // of full scale; of the
 // A call should be back this long after its deadline: the contract of devices/camera.h.
 constexpr Nanoseconds kOverdue = std::chrono::seconds(10);
 
-// No reference patch sees any light: more than a lamp that changed.
-bool isDark(const GateVerdict& verdict) {
-  bool seen = false;
+enum class PatchesSee { kNoPatch, kDark, kLight };
+PatchesSee whatPatchesSee(const GateVerdict& verdict) {
+  PatchesSee seen = PatchesSee::kNoPatch;
   for (const db::LightCheckRow& row : verdict.rows) {
     if (!row.source.starts_with("patch:")) continue;
-    if (row.level >= std::max(kDarkLevel, kDarkShare * row.baseline)) return false;
-    seen = true;
+    if (row.level >= std::max(kDarkLevel, kDarkShare * row.baseline)) return PatchesSee::kLight;
+    seen = PatchesSee::kDark;
   }
   return seen;
 }
+
+// No reference patch sees any light: more than a lamp that changed.
+bool isDark(const GateVerdict& verdict) { return whatPatchesSee(verdict) == PatchesSee::kDark; }
 
 }  // namespace
 
@@ -176,7 +179,13 @@ GateVerdict StepRunner::judge(const Group& group, const std::vector<Attempt>& at
     if (a.good && a.check().patch)
       sample.patches.push_back({a.unit->id(), *a.check().patch, a.shot.id});
   sample.sensors = sensorSamples(true);
-  return gate_.judge(sample);
+  GateVerdict verdict = gate_.judge(sample);
+  for (const SensorSample& lux : sample.sensors) {
+    sensors_.duringShot(lux, group.state, *group.lights,
+                        whatPatchesSee(verdict) == PatchesSee::kLight);
+    watchSensor(lux.id);
+  }
+  return verdict;
 }
 
 void StepRunner::fail(Attempt& a, const devices::Error& error) {
