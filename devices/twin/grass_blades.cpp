@@ -92,7 +92,7 @@ BladeNow grown(const Blade& blade, float time) {
   now.tip = scaled(leafRamp().at(saturate(1.02f * green)), light);
   const float canopy = logistic01(own);
   now.inverse_canopy = 1 / std::max(0.72f * kLengthMm * canopy, 1.0f);
-  now.floor = 1 - 0.80f * smooth01(canopy);
+  now.floor = 1 - 0.58f * smooth01(canopy);
   return now;
 }
 

@@ -33,9 +33,9 @@ namespace patina::devices::twin {
 
 namespace {
 
-constexpr float kShadeMm = 1.6f, kShade = 0.45f;  // beside a blade, what is behind is darker
-constexpr float kClimb = 0.34f;                   // height toward the camera a mm up a blade ...
-constexpr float kFlatten = 0.0009f;               // ... less so towards the tip
+constexpr float kShadeMm = 1.6f, kShade = 0.30f;  // beside a blade, what is behind is darker
+constexpr float kClimb = 0.20f;                   // height toward the camera a mm up a blade ...
+constexpr float kFlatten = 0.0005f;               // ... less so towards the tip
 constexpr float kSampleMm = 0.2f;                 // what lies as close is seen as one
 constexpr int kChunk = 32;
 constexpr float kChunkMm = 6.5f;
@@ -195,7 +195,7 @@ void GrassSurface::soil(float t, std::size_t at, int count, Stage& stage) const 
   PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     const float canopy = logistic01(ownTime(t, jitter[i]));
-    const float light = (1 + 0.25f * dry) * (1 - 0.68f * smooth01(canopy));
+    const float light = (1 + 0.25f * dry) * (1 - 0.45f * smooth01(canopy));
     stage.at[Stage::kR][i] = r[i] * light;
     stage.at[Stage::kG][i] = g[i] * light;
     stage.at[Stage::kB][i] = b[i] * light;
