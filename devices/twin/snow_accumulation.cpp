@@ -2,7 +2,7 @@
 // A generative model of snow that gathers on a slate for twenty minutes, seen from above. Lengths
 // in mm, times in shares of the process.
 //
-//   slate     bluish grey, cleft into thin layers: terraces of smooth noise, each of a tone of its
+//   slate     bluish grey, cleft into thin layers (cleft_slate.h): terraces, each of a tone of its
 //             own, with a fine ripple along the grain.
 //   wetness   first flakes melt where they land and leave dark, glossy drops; slate is wet just
 //             before snow covers it: its gloss rises and falls.
@@ -19,9 +19,12 @@
 // settles, and white that hides the ground with depth: Fearing, Computer modelling of fallen snow,
 // 2000. Albedo of new snow about 0.9, less in red: Warren, Optical properties of snow, 1982. Wet
 // stone is darker: Lekner and Dorf, Why some things are darker when wet, 1988.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "devices/twin/blobs.h"
+#include "devices/twin/cleft_slate.h"
 #include "devices/twin/grid_fields.h"
 #include "devices/twin/noise.h"
 #include "devices/twin/ramps.h"
@@ -34,32 +37,33 @@ namespace patina::devices::twin {
 namespace {
 
 constexpr float kStepMm = 0.75f;  // a layer of slate
-constexpr float kLayers = 4.2f;   // a unit of noise
 constexpr float kEdgeMm = 0.85f;  // how wide a layer's edge is
-constexpr float kGrain = 1.5f;    // forms are so much longer along x
-constexpr float kWindX = 0.83f, kWindY = -0.56f;
 constexpr float kRimTime = 0.012f, kRimMm = 0.22f;
 constexpr float kSampleMm = 0.25f;
 constexpr float kWettingTime = 0.03f;
-constexpr float kClumpMm = 1.7f, kSettleTime = 0.035f;
+constexpr float kClumpMm = 1.7f, kSettleTime = 0.040f;
 constexpr float kRiseMm = 8.5f;                        // of the sheet, in the whole process
 constexpr float kHideMm = 0.30f;                       // snow so deep hides half of what it lies on
 constexpr float kDrownMm = 2.4f;                       // ... and half of its relief
 constexpr float kSwellMm = 0.9f, kSwellShare = 0.25f;  // of swells, a mm of snow
 constexpr float kGrainMm = 0.05f;
 
+constexpr int kParts = 4;  // of a coarse texel: how snow reaches it, quarter by quarter
+
 struct Fields {
   std::vector<float> tone, rust, form, form_dx, form_dy, relief, relief_dx, relief_dy;
   std::vector<float> wetting;
-  std::vector<float> landing, landing_spread, landing_width, landing_dx, landing_dy;
+  std::vector<float> landing, landing_width, landing_dx, landing_dy;  // mean over the texel
+  std::array<std::vector<float>, kParts> reached;                     // quarters, the first first
   std::vector<float> sheet, sheet_dx, sheet_dy;
   std::vector<float> swell, swell_dx, swell_dy, grain, grain_dx, grain_dy;
   explicit Fields(std::size_t n) {
-    for (auto* f : {&tone,       &rust,       &form,    &form_dx,  &form_dy,        &relief,
-                    &relief_dx,  &relief_dy,  &wetting, &landing,  &landing_spread, &landing_width,
-                    &landing_dx, &landing_dy, &sheet,   &sheet_dx, &sheet_dy,       &swell,
-                    &swell_dx,   &swell_dy,   &grain,   &grain_dx, &grain_dy})
+    for (auto* f : {&tone,       &rust,      &form,     &form_dx,  &form_dy,       &relief,
+                    &relief_dx,  &relief_dy, &wetting,  &landing,  &landing_width, &landing_dx,
+                    &landing_dy, &sheet,     &sheet_dx, &sheet_dy, &swell,         &swell_dx,
+                    &swell_dy,   &grain,     &grain_dx, &grain_dy})
       f->resize(n);
+    for (auto& quarter : reached) quarter.resize(n);
   }
 };
 
@@ -75,50 +79,67 @@ struct Stage {
 
 class SnowSurface final : public PreparedSurface {
  public:
-  SnowSurface(int width, Fields fields) : width_(width), f_(std::move(fields)) {}
+  SnowSurface(int width, bool fine, Fields fields)
+      : width_(width), fine_(fine), f_(std::move(fields)) {}
   void rowAt(double time, int y, SurfaceRow& row) const override {
     Stage stage;
     const auto t = static_cast<float>(time);
     for (int x = 0; x < width_; x += kChunk) {
       const int count = std::min(kChunk, width_ - x);
       const std::size_t at = static_cast<std::size_t>(y) * width_ + x;
-      advance(t, at, count, stage);
+      if (fine_)
+        advance<1>(t, at, count, stage);
+      else
+        advance<kParts>(t, at, count, stage);
       paint(t, at, count, stage, x, row);
       shape(at, count, stage, x, row);
     }
   }
 
  private:
+  template <int kOf>
   void advance(float t, std::size_t at, int count, Stage& stage) const;
   void paint(float t, std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
   void shape(std::size_t at, int count, const Stage& stage, int x, SurfaceRow& row) const;
 
   int width_;
+  bool fine_;
   Fields f_;
 };
 
+// A fine texel is reached as one: all its quarters are the first.
+template <int kOf>
 void SnowSurface::advance(float t, std::size_t at, int count, Stage& stage) const {
-  const float *wetting = &f_.wetting[at], *landing = &f_.landing[at],
-              *width = &f_.landing_width[at], *sheet = &f_.sheet[at];
+  const float *wetting = &f_.wetting[at], *width = &f_.landing_width[at], *sheet = &f_.sheet[at];
+  std::array<const float*, kParts> reached{};
+  for (int p = 0; p < kParts; ++p) reached[p] = &f_.reached[p][at];
   PATINA_INDEPENDENT_TEXELS
   for (int i = 0; i < count; ++i) {
     stage.wet[i] = smooth01(saturate((t - wetting[i]) / kWettingTime));
-    const float inverse_width = 1 / width[i], begun = std::max(t - landing[i], 0.0f);
-    const float q = saturate(begun * inverse_width), covered = smooth01(q);
-    const float since = begun - 0.5f * q * width[i];  // of the part that snow has reached
-    stage.covered[i] = covered;
     // The sheet starts as slowly as a parabola; clumps stand out of it less and less. Both are low
     // where snow has only just come to lie.
     const float fallen = std::max(t - sheet[i], 0.0f), rise = fallen / (fallen + 0.12f);
-    const float risen = kRiseMm * fallen * rise;
+    const float risen = kRiseMm * fallen * rise, inverse_width = 1 / width[i];
     const float full = risen + kClumpMm / (1 + risen * risen);
-    const float share = 1 / (since + kSettleTime), settled = since * share;
-    stage.depth[i] = full * settled * covered;
-    stage.landing_slope[i] =
-        full * (kSettleTime * share * share * covered + settled * 6 * q * (1 - q) * inverse_width);
+    float covered = 0, lying = 0, slope = 0, white = 0;
+    for (int p = 0; p < kOf; ++p) {
+      const float begun = std::max(t - reached[p][i], 0.0f), q = saturate(begun * inverse_width);
+      const float cover = smooth01(q), since = begun - 0.5f * q * width[i];
+      const float low = kSettleTime / (since + kSettleTime), settled = 1 - low * low;
+      const float depth = full * settled * cover;
+      covered += cover / kOf;
+      lying += settled * cover / kOf;
+      slope +=
+          (2 * low * low * low / kSettleTime * cover + settled * 6 * q * (1 - q) * inverse_width) /
+          kOf;
+      white += cover * depth / (depth + kHideMm) / kOf;
+    }
+    stage.covered[i] = covered;
+    stage.depth[i] = full * lying;
+    stage.landing_slope[i] = full * slope;
     const float stands_less = 2 * kClumpMm * risen / ((1 + risen * risen) * (1 + risen * risen));
-    stage.sheet_slope[i] = kRiseMm * rise * (2 - rise) * (1 - stands_less) * settled * covered;
-    stage.white[i] = stage.covered[i] * stage.depth[i] / (stage.depth[i] + kHideMm);
+    stage.sheet_slope[i] = kRiseMm * rise * (2 - rise) * (1 - stands_less) * lying;
+    stage.white[i] = white;
   }
 }
 
@@ -186,6 +207,11 @@ void SnowSurface::shape(std::size_t at, int count, const Stage& stage, int x,
   }
 }
 
+// Places a texel is asked at along either axis: 1, 2 or 4.
+int samplesOf(const SampleGrid& grid) {
+  return grid.texel_mm <= kSampleMm ? 1 : grid.texel_mm <= 2 * kSampleMm ? 2 : 4;
+}
+
 // When a point is reached by water and by snow.
 struct Landing {
   float snow, water;
@@ -193,7 +219,7 @@ struct Landing {
 
 class Snow final : public Specimen {
  public:
-  explicit Snow(std::uint64_t seed) : seed_(seed) {}
+  explicit Snow(std::uint64_t seed) : seed_(seed), slate_(key(1)) {}
   const SpecimenInfo& info() const override { return snowInfo(); }
   std::shared_ptr<const PreparedSurface> prepare(const SampleGrid& grid) const override;
   SurfaceMaps surfaceAt(double time, SizePx size) const override {
@@ -202,10 +228,6 @@ class Snow final : public Specimen {
 
  private:
   std::uint64_t key(std::uint64_t field) const { return hashSeed(seed_, 0x5e0full, field); }
-  float formAt(float x, float y) const;
-  float layersAt(float x, float y) const;
-  float exposureAt(float x, float y) const;
-  float driftAt(float x, float y) const;
   void fillSlate(const SampleGrid& grid, int y, Fields& f) const;
   void fillSnow(const SampleGrid& grid, int y, const std::vector<BlobField>& clumps,
                 const BlobField& drops, Fields& f) const;
@@ -214,47 +236,9 @@ class Snow final : public Specimen {
   void softenRims(const SampleGrid& grid, Fields& f) const;
 
   std::uint64_t seed_;
+  CleftSlate slate_;
   mutable RegularSurface regular_;
 };
-
-// Height in layers, of the broad form, which deep snow follows, and of what is cleft.
-float Snow::formAt(float x, float y) const {
-  const FractalNoise form{key(1), 44, 2, 0.46f};
-  return kLayers * form.at(x / kGrain, y, kAsIs);
-}
-float Snow::layersAt(float x, float y) const {
-  const FractalNoise cleavage{key(1), 44, 5, 0.46f};
-  return kLayers * cleavage.at(x / kGrain, y, kAsIs);
-}
-
-// A staircase: flat, then up by one within `width` of a layer around the half.
-float cleft(float layers, float width) {
-  const float floor = std::floor(layers), part = layers - floor;
-  return floor + smooth01(saturate((part - 0.5f) / width + 0.5f));
-}
-
-// From -1, in the lee of a ledge and in hollows, to 1 on crests.
-float Snow::exposureAt(float x, float y) const {
-  const float layers = layersAt(x, y), here = cleft(layers, 0.1f);
-  float shelter = 0;
-  for (const float distance : {1.2f, 2.6f, 4.5f, 7.0f, 10.0f}) {
-    const float upwind = cleft(layersAt(x - kWindX * distance, y - kWindY * distance), 0.1f);
-    shelter = std::max(shelter, (upwind - here) / (1 + 0.22f * distance));
-  }
-  const FractalNoise chance{key(2), 16, 4, 0.55f};
-  return std::clamp(0.25f + 0.30f * layers - 1.0f * shelter + 0.9f * chance.at(x, y, kAsIs), -1.0f,
-                    1.0f);
-}
-
-// The same for deep snow, which knows no single ledge: smooth; from -1, deep, to 1.
-float Snow::driftAt(float x, float y) const {
-  const FractalNoise gust{key(8), 30, 2, 0.4f};
-  const float here = formAt(x, y);
-  float shelter = 0;
-  for (const float distance : {3.0f, 6.0f, 10.0f})
-    shelter += formAt(x - kWindX * distance, y - kWindY * distance) - here;
-  return std::clamp(0.12f * here - 0.26f * shelter + 0.5f * gust.at(x, y, kAsIs), -1.0f, 1.0f);
-}
 
 void Snow::fillSlate(const SampleGrid& grid, int y, Fields& f) const {
   const float texel = grid.texel_mm;
@@ -262,9 +246,10 @@ void Snow::fillSlate(const SampleGrid& grid, int y, Fields& f) const {
       stain{key(5), 30, 4, 0.6f, 2, 1}, pits{key(6), 2.2f, 3, 0.6f}, wear{key(9), 9, 3, 0.6f};
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
-    const float px = grid.x_mm[k], py = grid.y_mm[k], layers = layersAt(px, py);
-    const float slope =
-        std::hypot(layersAt(px + 0.3f, py) - layers, layersAt(px, py + 0.3f) - layers) / 0.3f;
+    const float px = grid.x_mm[k], py = grid.y_mm[k], layers = slate_.layersAt(px, py);
+    const float slope = std::hypot(slate_.layersAt(px + 0.3f, py) - layers,
+                                   slate_.layersAt(px, py + 0.3f) - layers) /
+                        0.3f;
     const float edge = kEdgeMm * std::exp2(5 * wear.at(px, py, kAsIs));
     const float width = std::clamp(slope * std::hypot(edge, texel), 0.02f, 1.0f);
     const float step = cleft(layers, width);
@@ -276,8 +261,9 @@ void Snow::fillSlate(const SampleGrid& grid, int y, Fields& f) const {
     f.tone[k] = mix(toneOf(below), toneOf(below + 1), step - below) *
                 (1 + 0.22f * mottle.at(px, py, texel) + 0.12f * ripple.at(px, py, texel));
     f.rust[k] = 0.6f * saturate(2.4f * stain.at(px, py, texel) - 0.5f);
-    f.relief[k] =
-        kStepMm * step + 0.16f * ripple.at(px, py, texel) + 0.05f * pits.at(px, py, texel);
+    f.form[k] = kStepMm * slate_.formAt(px, py);
+    f.relief[k] = kStepMm * step - f.form[k] + 0.16f * ripple.at(px, py, texel) +
+                  0.05f * pits.at(px, py, texel);
   }
 }
 
@@ -289,8 +275,8 @@ Landing Snow::landingAt(float x, float y, float exposure, float sheet,
   const Rim rim{kRimTime, kRimMm, 0.3f, 0};
   Arrival first;
   for (const BlobField& field : clumps) first = field.at(x + warped_x, y + warped_y, rim, first);
-  const float closing = sheet + 0.16f + 0.12f * exposure + 0.14f * last.at(x, y, kAsIs);
-  const float snow = std::clamp(std::min(first.time + 0.20f * exposure, closing), 0.03f, 0.88f);
+  const float closing = sheet + 0.14f + 0.10f * exposure + 0.13f * last.at(x, y, kAsIs);
+  const float snow = std::clamp(std::min(first.time + 0.20f * exposure, closing), 0.03f, 0.85f);
   const Arrival drop = drops.at(x + 0.5f * warped_x, y + 0.5f * warped_y, rim, Arrival{});
   return {snow, std::min(drop.time, snow - 0.05f)};
 }
@@ -300,28 +286,28 @@ void Snow::fillSnow(const SampleGrid& grid, int y, const std::vector<BlobField>&
   const float texel = grid.texel_mm;
   const FractalNoise swell{key(12), 17, 5, 0.43f}, grain{key(13), 1.1f, 3, 0.75f},
       damp{key(15), 18, 3};
-  // Of a coarse texel: the mean over places in it, and how far apart they are.
-  const int samples = std::clamp(static_cast<int>(std::ceil(texel / kSampleMm)), 1, 4);
+  const int samples = samplesOf(grid), places = samples * samples;
   const auto n = static_cast<float>(samples);
+  std::vector<float> landings(static_cast<std::size_t>(places));
   for (int x = 0; x < grid.size.width; ++x) {
     const std::size_t k = grid.index(x, y);
-    const float px = grid.x_mm[k], py = grid.y_mm[k], exposure = exposureAt(px, py);
-    f.sheet[k] = 0.45f + 0.22f * driftAt(px, py);
-    float snow = 0, snow_squares = 0, water = 0;
-    for (int j = 0; j < samples; ++j)
-      for (int i = 0; i < samples; ++i) {
-        const Landing at = landingAt(px + ((static_cast<float>(i) + 0.5f) / n - 0.5f) * texel,
-                                     py + ((static_cast<float>(j) + 0.5f) / n - 0.5f) * texel,
-                                     exposure, f.sheet[k], clumps, drops);
-        snow += at.snow;
-        snow_squares += at.snow * at.snow;
-        water += std::min(at.water, 1.0f);
-      }
-    const float share = 1 / (n * n), mean = share * snow;
-    f.landing[k] = mean;
-    f.landing_spread[k] = std::sqrt(std::max(share * snow_squares - mean * mean, 0.0f));
+    const float px = grid.x_mm[k], py = grid.y_mm[k], exposure = slate_.exposureAt(px, py);
+    f.sheet[k] = 0.42f + 0.24f * slate_.driftAt(px, py);
+    float water = 0;
+    for (int i = 0; i < places; ++i) {
+      const float dx = (static_cast<float>(i % samples) + 0.5f) / n - 0.5f,
+                  dy = (static_cast<float>(i / samples) + 0.5f) / n - 0.5f;
+      const Landing at =
+          landingAt(px + dx * texel, py + dy * texel, exposure, f.sheet[k], clumps, drops);
+      landings[i] = at.snow;
+      water += std::min(at.water, 1.0f) / (n * n);
+    }
+    std::sort(landings.begin(), landings.end());
+    for (int i = 0; i < places * kParts; ++i)
+      f.reached[i / places][k] += landings[i / kParts] / static_cast<float>(places);
+    for (const auto& quarter : f.reached) f.landing[k] += quarter[k] / kParts;
     const float everywhere = 0.36f + 0.20f * damp.at(px, py, kAsIs);
-    f.wetting[k] = std::max(std::min(share * water, everywhere), 0.005f);
+    f.wetting[k] = std::max(std::min(water, everywhere), 0.005f);
     f.swell[k] = swell.at(px, py, texel);
     f.grain[k] = kGrainMm * grain.at(px, py, texel);
   }
@@ -333,9 +319,8 @@ void Snow::softenRims(const SampleGrid& grid, Fields& f) const {
   for (std::size_t k = 0; k < f.landing.size(); ++k) {
     const float slope = std::hypot(f.landing_dx[k], f.landing_dy[k]);
     const float rim = std::min(std::hypot(kRimTime, kRimMm * slope), 0.11f);
-    constexpr float kOfSmoothstep = 4.47f;  // its length in standard deviations
-    const float width = std::min(std::hypot(rim, kOfSmoothstep * f.landing_spread[k]), 0.6f);
-    f.landing[k] = std::clamp(f.landing[k] - (width - rim) / 2, 0.02f, 0.99f - width);
+    const float width = std::min(std::hypot(rim, 0.5f * grid.texel_mm * slope), 0.11f);
+    for (auto& quarter : f.reached) quarter[k] = std::max(quarter[k] - (width - rim) / 2, 0.02f);
     f.landing_width[k] = width;
     const float gentle = std::min(1.0f, 0.08f / std::max(slope, 1e-6f));
     f.landing_dx[k] *= gentle;
@@ -368,7 +353,7 @@ std::shared_ptr<const PreparedSurface> Snow::prepare(const SampleGrid& grid) con
   differentiate(grid, f.sheet, f.sheet_dx, f.sheet_dy, 0.05f);
   differentiate(grid, f.swell, f.swell_dx, f.swell_dy, 0.5f);
   differentiate(grid, f.grain, f.grain_dx, f.grain_dy, 0.5f);
-  return std::make_shared<SnowSurface>(grid.size.width, std::move(f));
+  return std::make_shared<SnowSurface>(grid.size.width, samplesOf(grid) == 1, std::move(f));
 }
 
 }  // namespace
