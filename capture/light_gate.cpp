@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "capture/witness_drift.h"
+
 namespace patina::capture {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr double kPatchSaturated = 0.02;  // share of the patch's samples
 constexpr double kCoveredBelow = 0.5;     // of the forecast, while a sensor says light
 constexpr double kCoveredSpread = 3.0;    // times the spread of the good patch ...
 constexpr double kSpreadLeast = 0.05;     // ... and at least this
+constexpr double kApartBands = 2.5;       // a drift that one witness follows alone
 const char* const kChannels[] = {"r", "g", "b"};
 
 bool isBad(LightVerdict v) { return v == LightVerdict::kHold || v == LightVerdict::kFail; }
@@ -374,6 +377,9 @@ GateVerdict LightGate::judge(const LightSample& sample) {
     }
   doubt(witnesses, out);
   if (out.blocks && !surroundings_block) learnAnew(witnesses, sample, out);
+  if (const std::string apart = driftedApart(out.rows, kApartBands * check_.band);
+      !out.blocks && !apart.empty())
+    blame(out, LightVerdict::kAtOdds, false, "light " + sample.light_state + ": " + apart);
   if (out.blocks) {
     holdAll(out);
     out.changed.clear();  // nothing was learned; the next try says it

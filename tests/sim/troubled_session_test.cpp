@@ -120,6 +120,21 @@ INSTANTIATE_TEST_SUITE_P(By, CoveredPatch,
                          ::testing::Values("patch_soiled", "patch_snowed", "patch_overgrown"),
                          [](const auto& kind) { return std::string(kind.param); });
 
+// It grows over four days, as slowly as a lamp may drift, which the gain undoes.
+TEST(TroubledSession, TellsAPatchThatIsSlowlyOvergrownFromADriftByTheLuxSensor) {
+  Simulation sim({.interval = "30min",
+                  .duration = "3d",
+                  .rig = kLux,
+                  .size = "128x96",
+                  .faults = "[[fault]]\nat = \"6h\"\ndevice = \"cam0\"\nkind = "
+                            "\"patch_overgrown\"\nduration = \"40d\"\namount = 0.5\n"});
+  sim.run();
+  ASSERT_FALSE(sim.events("alarm").empty());
+  EXPECT_THAT(sim.events("alarm")[0].detail,
+              AllOf(StartsWith("light key drifting begins: light key: patch:cam0 (-5"),
+                    HasSubstr("and sensor:lux0"), HasSubstr("have drifted apart")));
+}
+
 TEST(TroubledSession, TellsAPatchThatIsAllDirtFromALampByTheLuxSensor) {
   TroubledSession alone({"cam0", "patch_soiled", "1"}),
       vouched({"cam0", "patch_soiled", "1"}, kLux);
