@@ -11,6 +11,7 @@ namespace patina::devices::twin {
 namespace {
 
 constexpr int kSideMaxTexels = 8192;
+constexpr int kBlock = 16;  // texels, all reached by single steps
 
 }  // namespace
 
@@ -33,6 +34,21 @@ ReliefShadow::ReliefShadow(float x0_mm, float y0_mm, float x1_mm, float y1_mm, f
 void ReliefShadow::setHeights(std::vector<float> heights) {
   heights_ = std::move(heights);
   highest_ = *std::max_element(heights_.begin(), heights_.end());
+  const int across = (grid_.size.width + kBlock - 1) / kBlock,
+            down = (grid_.size.height + kBlock - 1) / kBlock;
+  Image<float> blocks(across, down, 1);
+  std::fill(blocks.texels().begin(), blocks.texels().end(), -HUGE_VALF);
+  for (int y = 0; y < grid_.size.height; ++y)
+    for (int x = 0; x < grid_.size.width; ++x) {
+      float& highest = blocks.at(x / kBlock, y / kBlock);
+      highest = std::max(highest, heights_[grid_.index(x, y)]);
+    }
+  near_ = blocks;
+  for (int y = 0; y < down; ++y)
+    for (int x = 0; x < across; ++x)
+      for (int by = std::max(y - 1, 0); by <= std::min(y + 1, down - 1); ++by)
+        for (int bx = std::max(x - 1, 0); bx <= std::min(x + 1, across - 1); ++bx)
+          near_.at(x, y) = std::max(near_.at(x, y), blocks.at(bx, by));
 }
 
 std::vector<float> ReliefShadow::visibility(const LampPlace& lamp) const {
@@ -55,15 +71,17 @@ float ReliefShadow::at(int x, int y, const LampPlace& lamp) const {
   const bool along_x = std::abs(dx) >= std::abs(dy);
   const float greater = along_x ? dx : dy, lesser = along_x ? dy : dx;
   if (std::abs(greater) < grid_.texel_mm) return 1;  // from straight above
-  const float slope = lesser / greater;              // of the way, in texels a texel
-  const float step_mm = grid_.texel_mm * std::sqrt(1 + slope * slope);
-  const float rise = dz / std::sqrt(across2) * step_mm;
-  const float penumbra = static_cast<float>(lamp.radius_mm) * std::sqrt(across2 + dz * dz) /
-                         across2 * step_mm;  // a step
+  const float steps_a_mm = grid_.texel_mm / std::abs(greater);
+  const float rise = dz * steps_a_mm;  // a step
   if (!(rise > 0)) return 1;
-  const int room =
-      std::min(static_cast<int>(std::abs(greater) / grid_.texel_mm),
-               static_cast<int>((highest_ - h) / std::max(rise - penumbra, 1e-6f)) + 1);
+  const float penumbra = static_cast<float>(lamp.radius_mm) * steps_a_mm *
+                         std::sqrt((across2 + dz * dz) / across2);  // a step
+  // Where the ray is above all by more than its penumbra, nothing is in its way.
+  const float climb = std::max(rise - penumbra, 1e-6f), above = (highest_ - h) / climb;
+  if (above < 1) return 1;
+  const float above_near = (near_.at(x / kBlock, y / kBlock) - h) / climb;
+  const int room = static_cast<int>(std::min(above, std::abs(greater) / grid_.texel_mm));
+  const float slope = lesser / greater;  // of the way, in texels a texel
   // Rows run down, y runs up.
   const int forward = (greater > 0) == along_x ? 1 : -1;
   const float drift = -slope * static_cast<float>(forward);
@@ -74,6 +92,10 @@ float ReliefShadow::at(int x, int y, const LampPlace& lamp) const {
                        pitch_lesser = along_x ? grid_.size.width : 1;
   float seen = 1;
   for (int k = 1; k <= room; k = nextShadowStep(k)) {
+    if (k <= kBlock && static_cast<float>(k) > above_near) {
+      k = kBlock;  // nothing near is that high
+      continue;
+    }
     const float offset = drift * static_cast<float>(k);
     const float whole = std::floor(offset), share = offset - whole;
     const int g = here_greater + forward * k, l = here_lesser + static_cast<int>(whole);

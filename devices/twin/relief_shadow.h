@@ -43,6 +43,7 @@ class ReliefShadow {
   SampleGrid grid_;
   std::vector<float> heights_;
   float highest_ = 0;
+  Image<float> near_;  // highest in a block of the grid and in those around it
 };
 
 // Reads values on a square grid at the places of another, bilinearly. Immutable.

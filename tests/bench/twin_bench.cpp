@@ -19,27 +19,6 @@ void BM_TwinSurface(benchmark::State& state, const std::string& name) {
   for (auto _ : state) benchmark::DoNotOptimize(specimen->surfaceAt(++i % 997 / 997.0, size));
   state.SetItemsProcessed(state.iterations() * size.width * size.height);
 }
-BENCHMARK_CAPTURE(BM_TwinSurface, banana, "banana_ripening")
-    ->Args({512, 512})
-    ->Args({64, 48})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(BM_TwinSurface, copper, "copper_patination")
-    ->Args({512, 512})
-    ->Args({64, 48})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(BM_TwinSurface, grass, "grass_growth")
-    ->Args({512, 512})
-    ->Args({64, 48})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(BM_TwinSurface, snow, "snow_accumulation")
-    ->Args({512, 512})
-    ->Args({64, 48})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-
 // Every shot at another time of a week, one lamp lit.
 void BM_TwinShot(benchmark::State& state, const std::string& format) {
   const SizePx size{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
@@ -109,18 +88,24 @@ void BM_TwinSweep(benchmark::State& state, const std::string& specimen) {
   for (auto _ : state) sweep(0.35 + 0.5 * (++step % 97) / 97);
   state.SetItemsProcessed(state.iterations() * lights * 512 * 512);
 }
-BENCHMARK_CAPTURE(BM_TwinSweep, banana, "banana_ripening")
-    ->Args({24, 1})
-    ->Args({24, 0})
-    ->Args({1, 1})
-    ->Args({1, 0})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(BM_TwinSweep, copper, "copper_patination")
-    ->Args({24, 1})
-    ->Args({24, 0})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+// Every specimen there is; a sweep of 24 lamps with shadows and without, and one picture.
+[[maybe_unused]] const bool kRegistered = [] {
+  for (const SpecimenInfo& info : listSpecimens()) {
+    const std::string& name = info.name;
+    benchmark::RegisterBenchmark(("BM_TwinSurface/" + name).c_str(), BM_TwinSurface, name)
+        ->Args({512, 512})
+        ->Args({64, 48})
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+    benchmark::RegisterBenchmark(("BM_TwinSweep/" + name).c_str(), BM_TwinSweep, name)
+        ->Args({24, 1})
+        ->Args({24, 0})
+        ->Args({1, 0})
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
+  return true;
+}();
 
 }  // namespace
 }  // namespace patina::devices::twin
