@@ -67,6 +67,8 @@ class LightGate {
   void restore(std::span<const db::LightCheckRow> rows);
   // Lamps off: exempt, no rows; a sensor with an absolute band still counts.
   GateVerdict judge(const LightSample& sample);
+  // The other light state whose light all patches of these rows see: "fill"; empty if none.
+  std::string lightLike(std::span<const db::LightCheckRow> rows) const;
 
  private:
   struct Key {

@@ -180,6 +180,8 @@ GateVerdict StepRunner::judge(const Group& group, const std::vector<Attempt>& at
       sample.patches.push_back({a.unit->id(), *a.check().patch, a.shot.id});
   sample.sensors = sensorSamples(true);
   GateVerdict verdict = gate_.judge(sample);
+  if (const std::string like = verdict.blocks ? gate_.lightLike(verdict.rows) : ""; !like.empty())
+    verdict.reason += "; that is the light of " + like + ": is the wrong lamp lit?";
   for (const SensorSample& lux : sample.sensors) {
     sensors_.duringShot(lux, group.state, *group.lights,
                         whatPatchesSee(verdict) == PatchesSee::kLight);

@@ -228,6 +228,42 @@ TEST(LightGate, NamesASaturatedPatchAndGoesOn) {
   }
 }
 
+TEST(LightGate, KnowsTheLightOfAnotherStateOnAPatch) {
+  Room room;
+  room.with_lux = false;
+  room.learn();
+  room.state = "fill";
+  room.patch = 0.8;
+  room.learn();
+  room.state = "key";
+  const GateVerdict wrong = room.shoot();
+  EXPECT_TRUE(wrong.blocks);
+  EXPECT_EQ(room.gate.lightLike(wrong.rows), "fill");
+  room.patch = 0.85;
+  EXPECT_EQ(room.gate.lightLike(room.shoot().rows), "");
+  room.patch = 1;
+  EXPECT_EQ(room.gate.lightLike(room.shoot().rows), "") << "its own";
+}
+
+TEST(LightGate, RemarksThatPatchAndSensorDriftApart) {
+  Room room;
+  room.learn();
+  GateVerdict v;
+  for (int shot = 0; shot < 100; ++shot) {
+    room.patch *= 1.0004;
+    v = room.shoot();
+    EXPECT_FALSE(v.blocks);
+  }
+  EXPECT_EQ(v.reason, "");
+  for (int shot = 0; shot < 50; ++shot) {
+    room.patch *= 1.0004;
+    v = room.shoot();
+    EXPECT_FALSE(v.blocks);
+  }
+  EXPECT_THAT(v.reason, HasSubstr("light key: patch:cam0 (+6"));
+  EXPECT_THAT(v.reason, HasSubstr("have drifted apart"));
+}
+
 TEST(LightGate, HoldsOutsideTheBandOfAnySensorEvenWithoutLight) {
   devices::SensorSpec spec;
   spec.id = "air";

@@ -87,7 +87,9 @@ TEST(TroubledSession, HoldsALightWhoseWrongLampIsLitAndShootsTheOther) {
   session.sim().rig_spec.lights[1].position_mm = {200, 150, 300};
   session.run();
   expectHeld(session);
-  EXPECT_THAT(session.reason(), StartsWith("light key: patch:cam0"));
+  EXPECT_THAT(session.reason(),
+              AllOf(StartsWith("light key: patch:cam0"),
+                    HasSubstr("; that is the light of fill: is the wrong lamp lit?")));
   EXPECT_EQ(session.sim().reader().step(session.sim().run_id, 15)->shots_captured, 1);
   EXPECT_THAT(session.alarms(), ElementsAre(StartsWith("light key held begins"),
                                             StartsWith("light key held is over")));
@@ -181,6 +183,34 @@ TEST(TroubledSession, HoldsWhileAHandIsOverThePatchAndKnowsOfNoOther) {
   EXPECT_THAT(covered.reason(), HasSubstr("patch:cam0"));
   expectCaptured(free.run());
   EXPECT_THAT(free.alarms(), IsEmpty());
+}
+
+// A step's picture is taken within seconds of when it is due.
+double walkedAtStep(std::size_t step) { return (10.0 * static_cast<double>(step) - 125) / 60; }
+
+TEST(TroubledSession, IsNotMisledByAnInsectOnThePatch) {
+  devices::Fault insect;
+  insect.at = std::chrono::minutes(125);
+  insect.device = "cam0";
+  insect.kind = devices::FaultKind::kInsect;
+  const RectPx patch = TroubledSession({"cam0", "insect", ""}).sim().rig_spec.patches[0].rect_px;
+  const auto on_patch = [&](std::uint64_t seed) {
+    devices::FaultPlan plan;
+    plan.seed = seed;
+    for (std::size_t step = kFirst; step <= kLast; ++step) {
+      const auto place = devices::twin::insectAt({128, 96}, devices::twin::viewKey(plan, insect),
+                                                 walkedAtStep(step));
+      if (std::abs(place.x_px - patch.x - patch.width / 2.0) < patch.width / 2.0 - 3 &&
+          std::abs(place.y_px - patch.y - patch.height / 2.0) < patch.height / 2.0 - 3)
+        return true;
+    }
+    return false;
+  };
+  std::uint64_t seed = 1;
+  while (!on_patch(seed)) ++seed;
+  TroubledSession session({"cam0", "insect", ""}, "", seed);
+  expectCaptured(session.run());
+  EXPECT_THAT(session.alarms(), IsEmpty());
 }
 
 TEST(TroubledSession, TakesABumpedCameraForACoveredPatch) {
