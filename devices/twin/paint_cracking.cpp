@@ -150,8 +150,8 @@ void PaintSurface::bend(float t, std::size_t at, int count, Stage& stage) const 
 // Diffuse colour and degree.
 void PaintSurface::paint(std::size_t at, int count, const Stage& stage, int x,
                          SurfaceRow& row) const {
-  const Rgb wet_paint{0.530f, 0.062f, 0.045f}, dry_paint{0.405f, 0.026f, 0.020f};
-  const Rgb pine{0.560f, 0.395f, 0.225f}, shadow{0.040f, 0.018f, 0.012f};
+  const Rgb wet_paint{0.380f, 0.030f, 0.022f}, dry_paint{0.310f, 0.015f, 0.011f};
+  const Rgb pine{0.630f, 0.460f, 0.275f}, shadow{0.040f, 0.018f, 0.012f};
   const float *streak = &f_.streak[at], *mottle = &f_.mottle[at], *wood = &f_.wood[at];
   float *r = row[SurfaceRow::kDiffuseR] + x, *g = row[SurfaceRow::kDiffuseG] + x,
         *b = row[SurfaceRow::kDiffuseB] + x, *degree = row[SurfaceRow::kDegree] + x;

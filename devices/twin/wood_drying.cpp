@@ -129,7 +129,7 @@ void WoodSurface::paint(std::size_t at, int count, const Stage& stage, int x,
                         SurfaceRow& row) const {
   const Rgb dry_spring{0.650f, 0.465f, 0.275f}, dry_autumn{0.430f, 0.245f, 0.115f};
   const Rgb wet_spring{0.290f, 0.142f, 0.052f}, wet_autumn{0.140f, 0.055f, 0.020f};
-  const Rgb dry_knot{0.135f, 0.052f, 0.020f}, wet_knot{0.050f, 0.018f, 0.008f};
+  const Rgb dry_knot{0.110f, 0.042f, 0.016f}, wet_knot{0.050f, 0.018f, 0.008f};
   const float *ring = &f_.ring[at], *fibre = &f_.fibre[at], *knot = &f_.knot[at],
               *mottle = &f_.mottle[at];
   float *r = row[SurfaceRow::kDiffuseR] + x, *g = row[SurfaceRow::kDiffuseG] + x,
@@ -283,7 +283,7 @@ void Wood::fillWood(const SampleGrid& grid, int y, Fields& f) const {
     const float bark =
         4 * g.knot * (1 - g.knot) * kBarkMm / edge;  // what is left of it round a knot
     f.ring[k] = std::max(f.ring[k], 0.95f * bark);
-    f.knot[k] = std::max(g.knot * (0.72f + 0.28f * f.ring[k]), 0.9f * bark);
+    f.knot[k] = std::max(g.knot * (0.80f + 0.20f * f.ring[k]), 0.9f * bark);
     f.relief[k] = 0.030f * f.fibre[k];
     f.ridge[k] = 0.045f * f.ring[k] + 0.10f * g.knot;
   }
