@@ -2,7 +2,8 @@
 #include "capture/light_gate.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
+
+#include "tests/capture/light_room.h"
 
 namespace patina::capture {
 namespace {
@@ -10,51 +11,6 @@ namespace {
 using namespace std::chrono_literals;
 using calibration::LightVerdict;
 using ::testing::HasSubstr;
-
-const UtcTime kStart = parseUtc("2024-05-01");
-
-// One camera with a patch, one lux sensor, one light.
-struct Room {
-  LightGate gate;
-  double patch = 1, lux = 1, spread = 0.01, saturated = 0;
-  bool with_lux = true;
-  int shots = 0;
-  std::string state = "key";
-
-  explicit Room(LightCheck check = {}, std::vector<devices::SensorSpec> sensors = {})
-      : gate(check, sensors, "run") {}
-  LightSample sample() {
-    LightSample s;
-    s.light_state = state;
-    s.utc = kStart + ++shots * 10min;
-    PatchSample p;
-    p.camera = "cam0";
-    p.level.channels = 3;
-    p.level.level = {0.30 * patch, 0.40 * patch, 0.35 * patch};
-    p.level.spread = {spread, spread, spread};
-    p.level.saturated_fraction = saturated;
-    p.shot_id = shots;
-    s.patches = {p};
-    if (with_lux) {
-      SensorSample l;
-      l.id = "lux0";
-      l.reading.value = 800 * lux;
-      s.sensors = {l};
-    }
-    return s;
-  }
-  GateVerdict shoot() { return gate.judge(sample()); }
-  Room& learn() {
-    for (int i = 0; i < 4; ++i) EXPECT_FALSE(shoot().blocks);
-    return *this;
-  }
-};
-
-std::string verdictOf(const GateVerdict& v, const std::string& source) {
-  for (const auto& row : v.rows)
-    if (row.source == source) return row.verdict;
-  return "none";
-}
 
 TEST(LightGate, WritesOneRowAChannelAndSource) {
   Room room;
@@ -226,23 +182,6 @@ TEST(LightGate, NamesASaturatedPatchAndGoesOn) {
     EXPECT_EQ(verdictOf(v, "patch:cam0"), "saturated");
     EXPECT_THAT(v.reason, HasSubstr("saturated"));
   }
-}
-
-TEST(LightGate, KnowsTheLightOfAnotherStateOnAPatch) {
-  Room room;
-  room.with_lux = false;
-  room.learn();
-  room.state = "fill";
-  room.patch = 0.8;
-  room.learn();
-  room.state = "key";
-  const GateVerdict wrong = room.shoot();
-  EXPECT_TRUE(wrong.blocks);
-  EXPECT_EQ(room.gate.lightLike(wrong.rows), "fill");
-  room.patch = 0.85;
-  EXPECT_EQ(room.gate.lightLike(room.shoot().rows), "");
-  room.patch = 1;
-  EXPECT_EQ(room.gate.lightLike(room.shoot().rows), "") << "its own";
 }
 
 TEST(LightGate, RemarksThatPatchAndSensorDriftApart) {
