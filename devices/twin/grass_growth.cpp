@@ -2,8 +2,8 @@
 // A generative model of a tray of grass over four days, seen obliquely: up in the picture is away
 // over the soil and up along the blades. Lengths in mm, times in shares of the process.
 //
-//   soil      dark, moist, crumbly; seeds lie half sunk in it. It dries a little on top, and goes
-//             dark under the blades.
+//   soil      (grass_soil.h) dark, moist, crumbly; seeds lie half sunk in it. It dries a little on
+//             top, and goes dark under the blades.
 //   blades    (grass_blades.h) sprout at different times from plants at every height of the plane,
 //             so that the surface has no edge; lengthen by the logistic curve, widen, arch under
 //             their weight and sway; pale yellow where young, deep green when grown. Those rooted
@@ -25,6 +25,7 @@
 #include <cmath>
 
 #include "devices/twin/grass_blades.h"
+#include "devices/twin/grass_soil.h"
 #include "devices/twin/row_loop.h"
 #include "devices/twin/specimens.h"
 #include "processing/image/random.h"
@@ -33,14 +34,13 @@ namespace patina::devices::twin {
 
 namespace {
 
-constexpr float kShadeMm = 1.6f, kShade = 0.30f;  // beside a blade, what is behind is darker
+constexpr float kShadeMm = 1.2f, kShade = 0.30f;  // beside a blade, what is behind is darker
 constexpr float kClimb = 0.20f;                   // height toward the camera a mm up a blade ...
 constexpr float kFlatten = 0.0005f;               // ... less so towards the tip
 constexpr float kSampleMm = 0.2f;                 // what lies as close is seen as one
-constexpr int kChunk = 32;
-constexpr float kChunkMm = 6.5f;
-constexpr float kSeedCellMm = 6.5f, kSeedLengthMm = 3.2f, kSeedWidthMm = 1.05f,
-                kSeedHeightMm = 1.3f;  // half axes
+constexpr float kHidden = 1e-3f;                  // what lies behind so much of it is not looked at
+constexpr int kChunk = 16;
+constexpr float kChunkMm = 3.3f;
 
 struct Fields {
   std::vector<float> r, g, b, relief, relief_dx, relief_dy, seed, jitter;
@@ -65,10 +65,13 @@ struct Chunk {
   std::uint32_t first = 0, last = 0;  // of the list of blades
 };
 
-// What lies in front so far.
+// What is seen of a few texels so far: the sum over what lies in front, and what comes through it
+// from behind, of the values (clear) and, in the shade beside blades, of the light.
 struct Stage {
   enum Value { kR, kG, kB, kGloss, kRough, kDx, kDy, kHeight, kValues };
-  float at[kValues][kChunk];
+  static constexpr int kLit = 4;  // the first four are of light
+  float at[kValues][kChunk] = {};
+  float light[kChunk], clear[kChunk];
 };
 
 class GrassSurface final : public PreparedSurface {
@@ -143,7 +146,8 @@ bool reaches(const BladeNow& b, const Bounds& box) {
     return b.x + up * (b.lean + 0.5f * b.bend * up * b.inverse_rise);
   };
   const float steepest = std::max(std::abs(b.lean), std::abs(b.lean + b.bend));
-  const float beside = (b.half_width + kShadeMm) * (1 + steepest) + steepest * (high - low);
+  const float beside =
+      (b.half_width + kShadeMm) * std::sqrt(1 + steepest * steepest) + steepest * (high - low);
   const float x = middle(low);
   return x + beside >= box.x0 && x - beside <= box.x1;
 }
@@ -158,7 +162,7 @@ void GrassSurface::rowAt(double time, int y, SurfaceRow& row) const {
     const std::size_t at = grid_.index(x, y);
     const Chunk& chunk = chunks_[static_cast<std::size_t>(y) * chunks + c];
     here.clear();
-    for (std::uint32_t i = chunk.first; i < chunk.last; ++i) {
+    for (std::uint32_t i = chunk.last; i-- > chunk.first;) {  // the nearest first
       const BladeNow& blade = (*blades)[near_[i]];
       if (reaches(blade, chunk.box)) here.push_back(&blade);
     }
@@ -180,10 +184,20 @@ void GrassSurface::stand(const std::vector<const BladeNow*>& blades, std::size_t
     for (int i = 0; i < samples_; ++i) {
       const float dx = ((static_cast<float>(i) + 0.5f) / n - 0.5f) * grid_.texel_mm,
                   dy = ((static_cast<float>(j) + 0.5f) / n - 0.5f) * grid_.texel_mm;
-      Stage seen = ground;
-      for (const BladeNow* blade : blades) compose(*blade, dx, dy, at, count, seen);
-      for (int v = 0; v < Stage::kValues; ++v)
-        for (int k = 0; k < count; ++k) stage.at[v][k] += share * seen.at[v][k];
+      Stage seen;
+      std::fill_n(seen.light, count, 1.0f);
+      std::fill_n(seen.clear, count, 1.0f);
+      for (const BladeNow* blade : blades) {
+        compose(*blade, dx, dy, at, count, seen);
+        float clearest = 0;
+        for (int k = 0; k < count; ++k) clearest = std::max(clearest, seen.clear[k]);
+        if (clearest < kHidden) break;
+      }
+      for (int v = 0; v < Stage::kValues; ++v) {
+        const float* through = v < Stage::kLit ? seen.light : seen.clear;
+        for (int k = 0; k < count; ++k)
+          stage.at[v][k] += share * (seen.at[v][k] + ground.at[v][k] * through[k]);
+      }
     }
 }
 
@@ -207,7 +221,8 @@ void GrassSurface::soil(float t, std::size_t at, int count, Stage& stage) const 
   }
 }
 
-// A blade over what lies behind it. Across, its edges and its surface are averaged over the texel.
+// A blade behind what lies before it. Across, its edges and its surface are averaged over the
+// texel.
 void GrassSurface::compose(const BladeNow& blade, float dx, float dy, std::size_t at, int count,
                            Stage& stage) const {
   const BladeNow b = blade;
@@ -238,16 +253,19 @@ void GrassSurface::compose(const BladeNow& blade, float dx, float dy, std::size_
     const float light = mix(b.floor, 1, smooth01(saturate(h * b.inverse_canopy))) *
                         (1 + vein * (1 - 5 * u * u)) * cover;
     const float green = std::min(1.5f * q, 1.0f);
-    r[i] = r[i] * behind + mix(b.root.r, b.tip.r, green) * light;
-    g[i] = g[i] * behind + mix(b.root.g, b.tip.g, green) * light;
-    blue[i] = blue[i] * behind + mix(b.root.b, b.tip.b, green) * light;
-    shine[i] = shine[i] * behind + gloss * light;
-    roughness[i] = mix(roughness[i], rough, cover);
+    const float lit = stage.light[i] * light, through = stage.clear[i] * cover;
+    r[i] += mix(b.root.r, b.tip.r, green) * lit;
+    g[i] += mix(b.root.g, b.tip.g, green) * lit;
+    blue[i] += mix(b.root.b, b.tip.b, green) * lit;
+    shine[i] += gloss * lit;
     const float turn = b.twist * (1 - 2 * q), across = b.fold * 2 * u + turn;
-    slope_x[i] = mix(slope_x[i], across * cosine, cover);
-    slope_y[i] = mix(slope_y[i], kClimb - 2 * kFlatten * h - across * slope * cosine, cover);
+    roughness[i] += rough * through;
+    slope_x[i] += across * cosine * through;
+    slope_y[i] += (kClimb - 2 * kFlatten * h - across * slope * cosine) * through;
     const float surface = (b.fold * u + turn) * u * b.half_width;
-    height[i] = mix(height[i], h * (kClimb - kFlatten * h) + 0.6f + surface, cover);
+    height[i] += (h * (kClimb - kFlatten * h) + 0.6f + surface) * through;
+    stage.light[i] *= behind;
+    stage.clear[i] *= 1 - cover;
   }
 }
 
@@ -277,12 +295,6 @@ void GrassSurface::finish(float t, std::size_t at, int count, const Stage& stage
   }
 }
 
-struct Soil {
-  Rgb albedo;
-  float seed = 0;  // share that is one
-  float relief = 0;
-};
-
 class Grass final : public Specimen {
  public:
   explicit Grass(std::uint64_t seed) : seed_(seed) {}
@@ -294,67 +306,15 @@ class Grass final : public Specimen {
 
  private:
   std::uint64_t key(std::uint64_t field) const { return hashSeed(seed_, 0x96a55ull, field); }
-  Soil soilAt(float x, float y, float texel) const;
   void fillRow(const SampleGrid& grid, int y, Fields& f) const;
-  float seedAt(float x, float y, float texel, float soil, float& height, float& tone) const;
 
   std::uint64_t seed_;
   mutable RegularSurface regular_;
 };
 
-// Share of a texel that a seed covers; where it stands out of the soil, its height and its tone.
-float Grass::seedAt(float x, float y, float texel, float soil, float& height, float& tone) const {
-  const auto column = static_cast<std::int64_t>(std::floor(x / kSeedCellMm)),
-             line = static_cast<std::int64_t>(std::floor(y / kSeedCellMm));
-  float covered = 0;
-  for (std::int64_t j = line - 1; j <= line + 1; ++j)
-    for (std::int64_t i = column - 1; i <= column + 1; ++i) {
-      const std::uint64_t cell =
-          hashSeed(key(40), static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
-      const auto draw = [&](std::uint64_t n) {
-        return static_cast<float>(uniform(hashSeed(cell, n)));
-      };
-      if (draw(0) > 0.6f) continue;
-      const float dx = x - (static_cast<float>(i) + draw(1)) * kSeedCellMm,
-                  dy = y - (static_cast<float>(j) + draw(2)) * kSeedCellMm;
-      const float angle = 3.14159265f * draw(3), c = std::cos(angle), s = std::sin(angle);
-      const float along = (c * dx + s * dy) / kSeedLengthMm,
-                  across = (c * dy - s * dx) / kSeedWidthMm;
-      const float r2 = along * along + across * across * (1 + along * along);  // pointed ends
-      if (r2 >= 1) continue;
-      const float top =
-          kSeedHeightMm * (std::sqrt(1 - r2) - 0.25f * (1 - std::min(6 * std::abs(across), 1.0f))) -
-          0.75f + 0.5f * draw(4);
-      const float cover = saturate((top - soil) / std::max(0.25f, texel) + 0.5f) *
-                          saturate((1 - r2) * 0.5f * kSeedWidthMm / std::max(texel, 0.05f));
-      if (cover <= covered) continue;
-      covered = cover;
-      height = top;
-      tone = 0.75f + 0.5f * draw(5) - 0.25f * std::abs(along);
-    }
-  return covered;
-}
-
-Soil Grass::soilAt(float x, float y, float texel) const {
-  const FractalNoise lumps{key(1), 9, 3, 0.55f, 1, 0.8f}, crumbs{key(2), 4.2f, 5, 0.66f},
-      pits{key(8), 2.6f, 3, 0.6f}, damp{key(3), 16, 3}, grit{key(4), 0.9f, 2, 0.7f},
-      hue{key(5), 2.2f, 3};
-  const float pit = std::max(pits.ridged(x, y, texel) - 0.72f, 0.0f);
-  const float round = saturate(0.42f + 0.55f * crumbs.at(x, y, texel) - 0.5f * pit);
-  const float fine = grit.at(x, y, texel);
-  const float relief = 1.1f * lumps.at(x, y, texel) + 2.2f * round + 0.14f * fine - 0.8f;
-  const float light =
-      (1 + 0.45f * damp.at(x, y, texel)) * (0.45f + 1.5f * round) * (1 + 0.55f * fine);
-  const float red = 1 + 0.35f * hue.at(x, y, texel);
-  const Rgb earth{0.034f * light * red, 0.022f * light, 0.0145f * light};
-  float height = 0, tone = 1;
-  const float seed = seedAt(x, y, texel, relief, height, tone);
-  return {mix(earth, scaled({0.27f, 0.185f, 0.085f}, tone), seed), seed,
-          mix(relief, std::max(height, relief), seed)};
-}
-
 void Grass::fillRow(const SampleGrid& grid, int y, Fields& f) const {
   const GrowthJitter jitter(key(6));
+  const GrassSoil ground(key(1));
   const int samples = samplesOf(grid);
   const auto n = static_cast<float>(samples);
   const float share = 1 / (n * n);
@@ -363,9 +323,9 @@ void Grass::fillRow(const SampleGrid& grid, int y, Fields& f) const {
     for (int j = 0; j < samples; ++j)
       for (int i = 0; i < samples; ++i) {
         const Soil s =
-            soilAt(grid.x_mm[k] + ((static_cast<float>(i) + 0.5f) / n - 0.5f) * grid.texel_mm,
-                   grid.y_mm[k] + ((static_cast<float>(j) + 0.5f) / n - 0.5f) * grid.texel_mm,
-                   grid.texel_mm / n);
+            ground.at(grid.x_mm[k] + ((static_cast<float>(i) + 0.5f) / n - 0.5f) * grid.texel_mm,
+                      grid.y_mm[k] + ((static_cast<float>(j) + 0.5f) / n - 0.5f) * grid.texel_mm,
+                      grid.texel_mm / n);
         f.r[k] += share * s.albedo.r;
         f.g[k] += share * s.albedo.g;
         f.b[k] += share * s.albedo.b;

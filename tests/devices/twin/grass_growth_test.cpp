@@ -48,7 +48,7 @@ TEST(GrassGrowth, BeginsAsDarkBrownSoilWithSeeds) {
 
 TEST(GrassGrowth, CoversTheSoilOnlyLateAndAtEveryHeight) {
   double before = 0;
-  for (const double time : {0.15, 0.3, 0.45, 0.6, 0.8}) {
+  for (const double time : {0.25, 0.35, 0.45, 0.6, 0.8}) {
     const double now = greenShare(grassAt(time));
     EXPECT_GT(now, before) << time;
     before = now;
