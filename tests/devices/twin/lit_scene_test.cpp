@@ -85,5 +85,17 @@ TEST(LitScene, AMovedSpecimenIsTheSameOneAside) {
   EXPECT_LT(of_camera, 0.3 * of_home);
 }
 
+TEST(LitScene, AWhiteCardIsOneInTheMiddleAndThePatchIsItsShareOfIt) {
+  Room room(benchRig("grey_card", "128x128"));
+  room.scene.render(0, {true, true});
+  const RectPx p = pictureLayout(room.world.spec(), room.world.spec().cameras[0]).patch_px;
+  for (const std::size_t lamp : {0, 1}) {
+    const std::vector<float> white = room.scene.whiteCard(room.world.lampPlace(lamp));
+    EXPECT_NEAR(white[64 * 128 + 64], 1, 0.01) << lamp;
+    const std::size_t k = room.scene.grid().index(p.x + p.width / 2, p.y + p.height / 2);
+    EXPECT_NEAR(room.scene.lamp(lamp)[k] / white[k], referenceProfile().patch.reflectance, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace patina::devices::twin
