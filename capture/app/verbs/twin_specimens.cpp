@@ -40,6 +40,8 @@ void render(Context& context, const Options& options) {
   const devices::twin::SurfaceMaps maps = specimen->surfaceAt(options.time, options.size);
   workflow::Facts manifest;
   manifest.text("format", "patina.brdf-set/1").text("model", "ggx").text("roughness", "alpha");
+  if (specimen->measured())
+    manifest.text("gloss", "measured materials; Specular and Roughness are the nearest GGX");
   manifest.text("specimen", options.name).number("time", options.time);
   manifest.count("seed", static_cast<std::int64_t>(context.seed()));
   manifest.number("mm_per_texel", specimen->info().width_mm / options.size.width);
