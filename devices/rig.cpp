@@ -120,8 +120,8 @@ TargetSpec takeTarget(ConfigTable& table) {
   const std::vector<std::string> kinds{"grey_card", "colorchecker", "chessboard", "charuco",
                                        "mirror_sphere"};
   const std::string kind = table.takeChoice("kind", kinds);
-  target.kind = static_cast<TargetSpec::Kind>(std::find(kinds.begin(), kinds.end(), kind) -
-                                              kinds.begin());
+  target.kind =
+      static_cast<TargetSpec::Kind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
   target.position_mm = takePoint(table, "position_mm", kPositionMaxMm, {0, 0, 0});
   target.width_mm = table.takeNumber("width_mm", 0.1, 1e4, target.width_mm);
   if (target.kind != TargetSpec::kMirrorSphere)

@@ -15,8 +15,8 @@ struct Kind {
   std::unique_ptr<Specimen> (*make)(std::uint64_t seed);
 };
 constexpr Kind kKinds[] = {
-    {bananaInfo, makeBanana}, {copperInfo, makeCopper}, {grassInfo, makeGrass},
-    {paintInfo, makePaint},   {snowInfo, makeSnow},     {steelInfo, makeSteel},
+    {bananaInfo, makeBanana}, {copperInfo, makeCopper},     {grassInfo, makeGrass},
+    {paintInfo, makePaint},   {snowInfo, makeSnow},         {steelInfo, makeSteel},
     {woodInfo, makeWood},     {greyCardInfo, makeGreyCard},
 };
 
