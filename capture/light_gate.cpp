@@ -339,7 +339,7 @@ void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sa
 // "0.998 pass"; without a baseline there is no ratio: "learning 2 of 3", "measure".
 std::string LightGate::summaryOf(const Judged& judged, const db::LightCheckRow& row,
                                  const GateVerdict& out) const {
-  const std::string verdict = out.reason.empty() ? row.verdict : calibration::name(out.worst);
+  std::string verdict = out.reason.empty() ? row.verdict : calibration::name(out.worst);
   if (row.baseline > 0) {
     char ratio[32];
     std::snprintf(ratio, sizeof ratio, "%.3f ", row.ratio);

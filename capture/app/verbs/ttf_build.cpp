@@ -81,7 +81,8 @@ void addTtfBuild(Verb ttf) {
   Verb verb = ttf.verb("build", "Frames of one camera, light and exposure become a texture volume",
                        "patina ttf build --archive ivy --run latest --out ivy.h5",
                        [o](Context& context) { build(context, *o); });
-  verb.option("--run", o->request.run, "RUN", "A run's id, a prefix of one, or latest")
+  verb.optional("RUN", o->request.run, "A run's id, a prefix of one, or latest (the default)")
+      .option("--run", o->request.run, "RUN", "The same")
       .option("--out", o->out, "FILE.h5", "Where to (default: inside the archive)")
       .option("--roi", o->region, parseRect, "X,Y,W,H",
               "Region of the pictures (default: the twin's specimen; else all)")

@@ -13,7 +13,7 @@ TEST_F(SpecimenPlace, BuildTakesTheTwinsSpecimenUnlessToldOtherwise) {
   EXPECT_LT(specimen.number("/items/0/width_px") * specimen.number("/items/0/height_px"),
             128 * 128);
   EXPECT_GT(answer({"ttf", "info", place("a.h5")}).number("/items/0/mm_per_texel"), 0);
-  const JsonAnswer whole = answer({"ttf", "build", "--whole", "--out", place("b.h5")});
+  const JsonAnswer whole = answer({"ttf", "build", "latest", "--whole", "--out", place("b.h5")});
   EXPECT_EQ(whole.number("/items/0/width_px"), 128);
   const JsonAnswer region =
       answer({"ttf", "build", "--roi", "4,8,40,30", "--every", "4", "--out", place("c.h5")});
