@@ -75,6 +75,7 @@ class Backup {
     countAndCheckSpace();
     copyFrames();
     copyProducts();
+    copyQuarantine();
     copyJournals();
     snapshot_.reset();
     exchangeCatalogue(*to_.files, folder(), fresh());
@@ -264,6 +265,24 @@ class Backup {
     checkDisk(to_.files->syncFolder(to.parent_path()), "syncing", to.parent_path());
     report_.bytes_copied += static_cast<std::uint64_t>(copied.bytes);
     return true;
+  }
+
+  // What was set aside: nothing names it, but somebody may want to look. A file never changes
+  // there.
+  void copyQuarantine() {
+    const auto from = archive_ / "quarantine";
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(from, error)) {
+      const auto to = folder() / "quarantine" / entry.path().filename();
+      if (!entry.is_regular_file(error) || sizeOf(to) == sizeOf(entry.path())) continue;
+      const Copied copied = copyToTemporary(*to_.files, entry.path(), folder(),
+                                            std::numeric_limits<std::int64_t>::max());
+      makeFolders(to.parent_path());
+      checkDisk(to_.files->renameReplace(copied.temporary, to), "renaming to", to);
+      checkDisk(to_.files->syncFolder(to.parent_path()), "syncing", to.parent_path());
+      ++report_.set_aside_copied;
+      report_.bytes_copied += static_cast<std::uint64_t>(copied.bytes);
+    }
   }
 
   static std::string hashOf(const fs::path& path) {

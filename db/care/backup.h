@@ -26,6 +26,7 @@ struct BackupProblem {
 };
 struct BackupReport {
   std::int64_t runs = 0, frames = 0, frames_copied = 0, products_copied = 0;
+  std::int64_t set_aside_copied = 0;  // files of quarantine/
   std::uint64_t bytes_copied = 0;
   std::vector<BackupProblem> problems;  // of the archive; the rest of it is in the backup
 };

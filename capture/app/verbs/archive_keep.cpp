@@ -28,6 +28,7 @@ void backUp(Context& context, const std::string& to, bool check) {
       .set("frames", report.frames)
       .set("frames_copied", report.frames_copied)
       .set("products_copied", report.products_copied)
+      .set("set_aside_copied", report.set_aside_copied)
       .bytes("bytes_copied", report.bytes_copied)
       .set("problems", static_cast<std::int64_t>(damaged.size()));
   if (!damaged.empty()) {

@@ -78,6 +78,15 @@ TEST_F(BackupTest, CopiesOnlyWhatIsNotThereYet) {
   expectWhole(to_);
 }
 
+TEST_F(BackupTest, HoldsWhatWasSetAsideOnce) {
+  archive_->quarantine(frameBytes(99), "jpg", {0, {}, {}, "quarantine", "a picture of nothing"});
+  const fs::path set_aside = to_ / "quarantine" / (sha256(frameBytes(99)).hex() + ".jpg");
+  EXPECT_EQ(backUp().set_aside_copied, 1);
+  EXPECT_EQ(sha256OfFile(set_aside), sha256(frameBytes(99)));
+  EXPECT_EQ(backUp().set_aside_copied, 0);
+  expectWhole(to_);
+}
+
 TEST_F(BackupTest, IsAnArchiveThatGoesOn) {
   backUp();
   Archive restored(optionsFor(to_));
