@@ -69,6 +69,23 @@ TEST(ReliefShadow, IsTheSameFromEverySide) {
   }
 }
 
+TEST(ReliefShadow, FallsAwayFromTheLamp) {
+  ReliefShadow relief(0, 0, 10, 10, 0.1f);
+  const int middle = relief.grid().size.width / 2;
+  std::vector<float> post(relief.grid().x_mm.size());
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) post[relief.grid().index(middle + x, middle + y)] = 2;
+  relief.setHeights(post);
+  const double c = relief.grid().x_mm[middle];
+  for (const auto& [right, up] : {std::pair{2, 1}, {-2, 1}, {1, -2}, {-1, -2}}) {
+    const auto seen = relief.visibility(lampAt(c + 100 * right, 10 - c + 100 * up, 150));
+    // Rows run down: the shadow of a lamp to the upper right lies to the lower left.
+    EXPECT_LT(seen[relief.grid().index(middle - 5 * right, middle + 5 * up)], 0.3f) << right << up;
+    EXPECT_EQ(seen[relief.grid().index(middle - 5 * right, middle - 5 * up)], 1) << right << up;
+    EXPECT_EQ(seen[relief.grid().index(middle + 5 * right, middle + 5 * up)], 1) << right << up;
+  }
+}
+
 TEST(ReliefShadow, APenumbraIsAsWideAsTheLampAndFarFromItsCause) {
   const auto width = [](double radius_mm) {
     const ReliefShadow relief = wall(150, 2);
