@@ -11,6 +11,7 @@ const std::vector<FuzzTarget>& fuzzTargets() {
       {"daemon_config", fuzzDaemonConfig},
       {"journal", fuzzJournal},
       {"picture_header", fuzzPictureHeader},
+      {"picture_samples", fuzzPictureSamples},
       {"lights", fuzzLights},
       {"picture_names", fuzzPictureNames},
       {"product_facts", fuzzProductFacts},

@@ -22,6 +22,7 @@ void fuzzFaults(std::span<const std::byte> bytes);
 void fuzzDaemonConfig(std::span<const std::byte> bytes);
 void fuzzJournal(std::span<const std::byte> bytes);
 void fuzzPictureHeader(std::span<const std::byte> bytes);
+void fuzzPictureSamples(std::span<const std::byte> bytes);
 void fuzzLights(std::span<const std::byte> bytes);
 void fuzzPictureNames(std::span<const std::byte> bytes);
 void fuzzProductFacts(std::span<const std::byte> bytes);
