@@ -29,10 +29,11 @@ std::vector<float> kernelOf(double sigma_px) {
 
 void blurRow(float* row, int width, const std::vector<float>& kernel, std::vector<float>& padded) {
   const int reach = 2 * (static_cast<int>(kernel.size()) - 1);
-  padded.resize(static_cast<std::size_t>(width + 2 * reach));
+  const int whole = width + 2 * reach, last = reach + width;
+  padded.resize(static_cast<std::size_t>(whole));
   for (int x = 0; x < reach; ++x) {
     padded[static_cast<std::size_t>(x)] = row[x & 1];
-    padded[static_cast<std::size_t>(reach + width + x)] = row[width - 2 + (x & 1)];
+    padded[static_cast<std::size_t>(last) + x] = row[width - 2 + (x & 1)];
   }
   std::copy_n(row, width, padded.begin() + reach);
   const float* middle = padded.data() + reach;

@@ -171,8 +171,9 @@ TargetPixels::TargetPixels(const std::vector<TargetSpec>& targets, const CameraV
     for (int x = 0; x < size.width; ++x) {
       Pixel pixel{view.ground().index(x, y), y % 2 + x % 2, 0, samples_.size(), 0};
       for (int i = 0; i < kSamplesASide * kSamplesASide; ++i) {
-        const Ray ray = view.ray(x + (i % kSamplesASide + 0.5) / kSamplesASide,
-                                 y + (i / kSamplesASide + 0.5) / kSamplesASide);
+        const int column = i % kSamplesASide, row = i / kSamplesASide;
+        const Ray ray =
+            view.ray(x + (column + 0.5) / kSamplesASide, y + (row + 0.5) / kSamplesASide);
         const TargetHit hit = firstHit(targets_, ray);
         if (hit.target) samples_.push_back({ray, hit});
       }

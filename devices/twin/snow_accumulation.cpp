@@ -295,8 +295,9 @@ void Snow::fillSnow(const SampleGrid& grid, int y, const std::vector<BlobField>&
     f.sheet[k] = 0.42f + 0.24f * slate_.driftAt(px, py);
     float water = 0;
     for (int i = 0; i < places; ++i) {
-      const float dx = (static_cast<float>(i % samples) + 0.5f) / n - 0.5f,
-                  dy = (static_cast<float>(i / samples) + 0.5f) / n - 0.5f;
+      const int column = i % samples, row = i / samples;
+      const float dx = (static_cast<float>(column) + 0.5f) / n - 0.5f,
+                  dy = (static_cast<float>(row) + 0.5f) / n - 0.5f;
       const Landing at =
           landingAt(px + dx * texel, py + dy * texel, exposure, f.sheet[k], clumps, drops);
       landings[i] = at.snow;

@@ -46,7 +46,7 @@ double pastShare(const Fault& fault, const TroubledView& view) {
 
 double swollen(double past) { return smooth01(saturate(static_cast<float>(past / kSwell))); }
 
-std::size_t channelOf(int x, int y) { return static_cast<std::size_t>((x & 1) + (y & 1)); }
+int channelOf(int x, int y) { return (x & 1) + (y & 1); }
 
 // Covers `amount` of the patch: its pixels by falling noise, so that more covers what less did.
 void cover(const Cover& with, double amount, std::uint64_t key, const RectPx& patch,
@@ -60,9 +60,10 @@ void cover(const Cover& with, double amount, std::uint64_t key, const RectPx& pa
   noise.wavelength_mm = 0.4f;
   std::vector<float> height(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto x = static_cast<float>(k % static_cast<std::size_t>(patch.width)),
-               y = static_cast<float>(k / static_cast<std::size_t>(patch.width));
-    height[k] = noise.at(x / side, y / side, 1 / side);
+    const std::size_t column = k % static_cast<std::size_t>(patch.width),
+                      row = k / static_cast<std::size_t>(patch.width);
+    height[k] =
+        noise.at(static_cast<float>(column) / side, static_cast<float>(row) / side, 1 / side);
   }
   std::vector<float> sorted = height;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(covered - 1),

@@ -68,7 +68,7 @@ Hand handOf(std::uint64_t key) {
     const float length = 0.15f + (i == 1 || i == 2 ? 0.035f : i == 3 ? -0.02f : 0.01f);
     const Flat root = middle + -0.08f * back + across * side;
     const Flat along = towards(angle + M_PI - spread);
-    hand[static_cast<std::size_t>(2 + i)] = {root, root + length * along, 0.026f, 0.02f};
+    hand[2 + static_cast<std::size_t>(i)] = {root, root + length * along, 0.026f, 0.02f};
   }
   const Flat root = middle + 0.02f * back + (left * 0.07f) * side;
   hand[6] = {root, root + 0.14f * towards(angle + M_PI - left * radians(48)), 0.032f, 0.022f};
@@ -114,7 +114,7 @@ void drawHand(std::vector<float>& light, const std::vector<float>& white, SizePx
         // Limbs are round: they turn away from the camera at their edge.
         const float inward = saturate(-distance / kHandRound);
         const float turned = mix(kHandRim, 1, std::sqrt(inward * (2 - inward)));
-        const float own = white[k] * turned * skin[static_cast<std::size_t>((x & 1) + (y & 1))];
+        const float own = white[k] * turned * skin[(x & 1) + (y & 1)];
         light[k] = mix(light[k], own, share);
       }
   });

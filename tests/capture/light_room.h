@@ -21,7 +21,7 @@ struct Room {
   int shots = 0;
   std::string state = "key";
 
-  explicit Room(LightCheck check = {}, std::vector<devices::SensorSpec> sensors = {})
+  explicit Room(LightCheck check = {}, const std::vector<devices::SensorSpec>& sensors = {})
       : gate(check, sensors, "run") {}
   LightSample sample() {
     LightSample s;
