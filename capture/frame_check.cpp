@@ -13,6 +13,7 @@ std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_stri
 
 // What one decode gives.
 struct Decoded {
+  bool raw = false;
   SizePx size;
   int bits = 0;
   double saturated_fraction = 0;
@@ -34,6 +35,7 @@ bool allEqual(const std::vector<T>& texels) {
 Decoded decodeMosaic(std::span<const std::byte> file, std::optional<RectPx> patch) {
   const RawMosaic raw = decodeRaw(file);
   Decoded d;
+  d.raw = true;
   d.size = raw.samples.size();
   d.bits = bitsOf(raw.white_level);
   const auto& samples = raw.samples.texels();
@@ -126,8 +128,9 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
     return refuse(
         out, FrameFault::kWrongSize,
         "samples of " + std::to_string(d.bits) + " bits, contract " + std::to_string(caps_.bits));
-  // Two pictures of the dark may be equal, if neither was to show anything.
-  if (repeated && (lit || last->second.lit) && !d.all_equal)
+  // Two developed pictures of the dark may be equal, if neither was to show anything. Raw ones have
+  // noise, and a real camera's its time and counters.
+  if (repeated && (d.raw || lit || last->second.lit) && !d.all_equal)
     return refuse(out, FrameFault::kDuplicate, "the previous picture came again as a new one");
   checked.size = d.size;
   checked.saturated_fraction = d.saturated_fraction;

@@ -48,7 +48,8 @@ class FrameCheck {
  public:
   FrameCheck(const devices::CameraCaps& caps, std::optional<RectPx> patch);
 
-  // `lit`: some lamp was on. Shots without light may repeat byte for byte (bias, dark).
+  // `lit`: some lamp was on. Without light a developed file may repeat byte for byte, and a raw one
+  // whose samples are all equal; any other raw file has noise and never does.
   ShotCheck check(const std::vector<devices::RawFrame>& frames, const devices::Ticket& ticket,
                   bool lit) const;
   // The hashes of what came are what a stale picture would repeat, also when the light or the disk

@@ -122,6 +122,41 @@ TEST(FrameCheck, LetsTwoPicturesOfTheDarkBeEqual) {
   EXPECT_EQ(check.check(frames, b.ticket, false).fault, FrameFault::kNone);
 }
 
+Bytes darkDng(SizePx size, std::uint64_t seed) {
+  RawMosaic raw;
+  raw.samples = Image<std::uint16_t>(size.width, size.height, 1);
+  std::uint64_t i = 0;
+  for (auto& v : raw.samples.texels())
+    v = static_cast<std::uint16_t>(62 + uniformBelow(hashSeed(seed, i++), 5));
+  raw.black_level = 64;
+  raw.white_level = 255;
+  return encodeDng(raw);
+}
+
+TEST(FrameCheck, RefusesARawPictureOfTheDarkThatCameBefore) {
+  Bench b;
+  FrameCheck check(b.caps, {});
+  const std::vector<devices::RawFrame> frames{frameOf(darkDng(b.caps.size, 1))};
+  const ShotCheck first = check.check(frames, b.ticket, false);
+  ASSERT_EQ(first.fault, FrameFault::kNone) << first.detail;
+  check.remember(first);
+  EXPECT_EQ(check.check(frames, b.ticket, false).fault, FrameFault::kDuplicate);
+  EXPECT_EQ(check.check({frameOf(darkDng(b.caps.size, 2))}, b.ticket, false).fault,
+            FrameFault::kNone);
+}
+
+TEST(FrameCheck, LetsRawPicturesWithoutAnyNoiseBeEqual) {
+  Bench b;
+  FrameCheck check(b.caps, {});
+  RawMosaic raw;
+  raw.samples = Image<std::uint16_t>(b.caps.size.width, b.caps.size.height, 1, 64);
+  raw.black_level = 64;
+  raw.white_level = 255;
+  const std::vector<devices::RawFrame> frames{frameOf(encodeDng(raw))};
+  check.remember(check.check(frames, b.ticket, false));
+  EXPECT_EQ(check.check(frames, b.ticket, false).fault, FrameFault::kNone);
+}
+
 TEST(FrameCheck, LeavesABlackPictureToTheLight) {
   Bench b;
   FrameCheck check(b.caps, {});
