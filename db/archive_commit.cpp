@@ -35,10 +35,12 @@ class Placing {
     temporaries_.clear();
     placed_.clear();
   }
-  void undo() noexcept {
+  // False: what was placed may still be there, or come back.
+  bool undo() noexcept {
     for (const auto& path : temporaries_) store_.forget(path);
-    for (const auto& path : placed_) store_.forget(path);
+    const bool gone = store_.takeAway(placed_);
     keep();
+    return gone;
   }
 
  private:
@@ -120,15 +122,14 @@ std::vector<FrameRow> Archive::acknowledge(const ShotRow& shot,
     placing.place(frames, rows);
   } catch (const ArchiveError& e) {
     s.broken = e.exit() == Exit::kIo;
-    placing.undo();
-    journal.takeBack();
+    s.takeBack(journal, placing.undo());
     throw;
   }
   s.point(CommitPoint::kFolderSynced);
   try {
     s.commitJournal(
         journal, change, [&s] { s.point(CommitPoint::kJournalSynced); },
-        [&placing] { placing.undo(); });
+        [&placing] { return placing.undo(); });
   } catch (const ArchiveError&) {
     placing.keep();
     throw;

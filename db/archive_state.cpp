@@ -207,14 +207,20 @@ void Archive::State::syncJournal(Journal& journal) {
 }
 
 void Archive::State::giveUp(Journal& journal, const ArchiveError& error,
-                            const std::function<void()>& undo) {
+                            const std::function<bool()>& undo) {
   // After EIO nobody knows what the disk holds: everything stays, recovery judges it.
   if (error.exit() == Exit::kIo) {
     broken = true;
     return;
   }
-  undo();
-  journal.takeBack();
+  takeBack(journal, undo());
+}
+
+void Archive::State::takeBack(Journal& journal, bool frames_gone) noexcept {
+  if (frames_gone)
+    journal.takeBack();
+  else
+    broken = true;
 }
 
 void Archive::State::writeAhead(const std::string& run_id, Change& change) {
@@ -224,7 +230,7 @@ void Archive::State::writeAhead(const std::string& run_id, Change& change) {
   try {
     syncJournal(journal);
   } catch (const ArchiveError& e) {
-    giveUp(journal, e, [] {});
+    giveUp(journal, e, [] { return true; });
     throw;
   }
   journal.settle();
@@ -235,7 +241,7 @@ void Archive::State::writeAhead(const std::string& run_id, Change& change) {
 
 void Archive::State::commitJournal(Journal& journal, const Change& change,
                                    const std::function<void()>& journal_synced,
-                                   const std::function<void()>& undo) {
+                                   const std::function<bool()>& undo) {
   const auto waiting = ahead.find(journal.name());
   try {
     syncJournal(journal);
@@ -264,7 +270,7 @@ void Archive::State::commit(const std::string& run_id, Change& change) {
   Journal& journal = journalOf(run_id);
   writeLines(journal, change);
   commitJournal(
-      journal, change, [] {}, [] {});
+      journal, change, [] {}, [] { return true; });
 }
 
 void Archive::State::commitSmall(const std::string& run_id, Change& change) {

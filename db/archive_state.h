@@ -94,10 +94,14 @@ struct Archive::State {
   void syncJournal(Journal& journal);
   // `undo` and then the lines are taken back, unless the disk failed. In this order: a start finds
   // a line without its frame, but looks for frames without a line only in the newest folders.
-  void giveUp(Journal& journal, const ArchiveError& error, const std::function<void()>& undo);
+  // `undo` answers whether its frames are gone for good.
+  void giveUp(Journal& journal, const ArchiveError& error, const std::function<bool()>& undo);
+  // Frames that may come back keep their lines, for the next start to judge: nothing is written
+  // after them.
+  void takeBack(Journal& journal, bool frames_gone) noexcept;
   void commitJournal(Journal& journal, const Change& change,
                      const std::function<void()>& journal_synced,
-                     const std::function<void()>& undo);
+                     const std::function<bool()>& undo);
   RowId addEvent(const EventRow& event);
 
   void keepReserve();  // a file that can be given up, so that the end can be noted on a full disk

@@ -119,6 +119,16 @@ void FrameStore::syncFolderOf(const Sha256& sha256) {
 
 void FrameStore::forget(const std::filesystem::path& path) noexcept { files_.remove(path); }
 
+bool FrameStore::takeAway(std::span<const std::filesystem::path> placed) noexcept {
+  bool gone = true;
+  for (const auto& path : placed) {
+    const int got = files_.remove(path);
+    gone &= got >= 0 || got == -ENOENT;
+  }
+  for (const auto& path : placed) gone = gone && files_.syncFolder(path.parent_path()) >= 0;
+  return gone;
+}
+
 std::filesystem::path FrameStore::quarantine(std::span<const std::byte> bytes,
                                              const std::string& ext) {
   const auto temporary = writeTemporary(bytes, ext);

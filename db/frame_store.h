@@ -33,6 +33,9 @@ class FrameStore {
   void syncFolderOf(const Sha256& sha256);
   // Best effort, after a failure: what was never acknowledged goes away.
   void forget(const std::filesystem::path& path) noexcept;
+  // The same for files in their places, for good: their folders are synced. False when the disk
+  // would not: some may be there, or come back with the next power cut.
+  bool takeAway(std::span<const std::filesystem::path> placed) noexcept;
   // quarantine/<sha256>.<ext>, written and synced.
   std::filesystem::path quarantine(std::span<const std::byte> bytes, const std::string& ext);
 

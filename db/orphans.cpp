@@ -16,18 +16,29 @@ std::int64_t modifiedNs(const std::filesystem::path& path) {
   return status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec;
 }
 
-std::vector<std::filesystem::path> foldersOf(const std::filesystem::path& archive,
-                                             OrphanSearch search) {
+std::set<std::filesystem::path> foldersOf(const std::filesystem::path& archive,
+                                          const std::vector<JournalBatch>& batches) {
+  std::set<std::filesystem::path> folders;
+  for (const JournalBatch& batch : batches)
+    for (const AnyRow& row : batch.rows)
+      if (const auto* frame = std::get_if<FrameRecord>(&row)) {
+        auto folder = (archive / framePath(frame->row.sha256, frame->row.ext)).parent_path();
+        if (std::filesystem::exists(folder)) folders.insert(std::move(folder));
+      }
+  return folders;
+}
+
+std::set<std::filesystem::path> foldersOf(const std::filesystem::path& archive,
+                                          OrphanSearch search) {
   std::int64_t newest_line = 0;
   if (search == OrphanSearch::kNewest)
     for (const auto& name : journalNames(archive))
       newest_line = std::max(newest_line, modifiedNs(journalPath(archive, name)));
-  std::vector<std::filesystem::path> folders;
+  std::set<std::filesystem::path> folders;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(archive / "frames", error))
     if (entry.is_directory(error) && modifiedNs(entry.path()) >= newest_line)
-      folders.push_back(entry.path());
-  std::ranges::sort(folders);
+      folders.insert(entry.path());
   return folders;
 }
 
@@ -56,12 +67,19 @@ std::optional<StoredName> parseFramePath(const std::filesystem::path& path) {
 std::vector<std::string> quarantineOrphans(FileOps& files, const std::filesystem::path& archive,
                                            Database& database,
                                            const std::vector<JournalTail>& tails,
-                                           OrphanSearch search) {
+                                           OrphanSearch search,
+                                           const std::vector<JournalBatch>& dropped) {
   const std::set<Sha256> journalled = hashesOf(tails);
   Statement known(database, "SELECT 1 FROM frame WHERE sha256 = ? AND ext = ?");
   const auto quarantine = archive / "quarantine";
+  // The last start may have died between setting one aside and its sync.
+  if (std::filesystem::exists(quarantine))
+    checkDisk(files.syncFolder(quarantine), "syncing", quarantine);
+  const auto named = foldersOf(archive, dropped);
+  auto folders = foldersOf(archive, search);
+  folders.insert(named.begin(), named.end());
   std::vector<std::string> moved;
-  for (const auto& folder : foldersOf(archive, search)) {
+  for (const auto& folder : folders) {
     std::vector<std::filesystem::path> orphans;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       const auto name = parseFramePath(entry.path());
@@ -83,8 +101,8 @@ std::vector<std::string> quarantineOrphans(FileOps& files, const std::filesystem
       checkDisk(files.renameReplace(path, quarantine / to), "setting aside", path);
       moved.push_back(to);
     }
-    if (orphans.empty()) continue;
-    checkDisk(files.syncFolder(quarantine), "syncing", quarantine);
+    if (orphans.empty() && !named.contains(folder)) continue;
+    if (!orphans.empty()) checkDisk(files.syncFolder(quarantine), "syncing", quarantine);
     checkDisk(files.syncFolder(folder), "syncing", folder);
   }
   return moved;

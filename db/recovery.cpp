@@ -89,12 +89,15 @@ class Recovery {
     returnNamedFrames(*s_.files, archive_, *s_.database, tails);
     // The last lines may have been written before their frames found their places; they were not
     // acknowledged then, and go.
+    std::vector<JournalBatch> dropped;
     for (JournalTail& tail : tails)
-      if (!tail.batches.empty() && !hasItsFrames(archive_, tail.batches.back()))
+      if (!tail.batches.empty() && !hasItsFrames(archive_, tail.batches.back())) {
+        dropped.push_back(std::move(tail.batches.back()));
         tail.batches.pop_back();
+      }
     // Before anything is written to a journal: its time tells which frames are newer.
     const auto orphans =
-        quarantineOrphans(*s_.files, archive_, *s_.database, tails, OrphanSearch::kNewest);
+        quarantineOrphans(*s_.files, archive_, *s_.database, tails, OrphanSearch::kNewest, dropped);
     merge(tails);
     s_.loadIds();
     const UtcTime last = lastKnownTime();

@@ -34,11 +34,14 @@ std::optional<StoredName> parseFramePath(const std::filesystem::path& path);
 
 // Moves frame files that no row and no line of a tail knows to quarantine/. kNewest looks only into
 // folders that changed after the journals did: a frame that was placed and not journalled is newer
-// than the last line. Answers the names of what was moved.
+// than the last line. Into those of `dropped`, lines about to be cut off, it looks in any case, and
+// syncs them: a frame that was taken away must not come back without its line. Answers the names
+// of what was moved.
 enum class OrphanSearch { kNewest, kEverywhere };
 std::vector<std::string> quarantineOrphans(FileOps& files, const std::filesystem::path& archive,
                                            Database& database,
                                            const std::vector<JournalTail>& tails,
-                                           OrphanSearch search);
+                                           OrphanSearch search,
+                                           const std::vector<JournalBatch>& dropped = {});
 
 }  // namespace patina::db

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "db/errors.h"
 #include "db/recovery.h"
+#include "tests/db/hooked_disk.h"
 #include "tests/db/small_run.h"
 #include "tests/support/temp_folder.h"
 
@@ -41,6 +43,24 @@ TEST_F(OrphansTest, AFrameFileThatNobodyKnowsIsSetAsideAndSaid) {
             frameBytes(50));
   EXPECT_THAT(archive.reader().events(""), SizeIs(1));
   EXPECT_TRUE(fs::exists(archive.reader().pathOf(*archive.reader().newestFrame(kRunId))));
+}
+
+TEST_F(OrphansTest, WhatADeadStartSetAsideStaysAside) {
+  plant(50);
+  bool dies = true;
+  std::string order;
+  HookedDisk disk([&](Call call, const fs::path& path) {
+    const bool aside = call == Call::kSyncFolder && path == path_ / "quarantine";
+    if (aside && dies) return -EIO;
+    if (aside) order += "quarantine ";
+    if (call == Call::kWrite && path.extension() == ".jsonl") order += "journal ";
+    return 0;
+  });
+  EXPECT_THROW(Archive(optionsFor(path_, &disk)), ArchiveError);
+  dies = false;
+  Archive archive(optionsFor(path_, &disk));
+  archive.addEvent({0, kRunId, at(600), "note", "here again"});
+  EXPECT_EQ(order, "quarantine journal ") << "a power cut would bring it back, older than a line";
 }
 
 TEST_F(OrphansTest, FoldersOlderThanTheJournalsAreNotLookedInto) {

@@ -100,6 +100,31 @@ TEST_F(RecoveryTest, LinesWhoseFramesNeverFoundTheirPlaceAreDropped) {
   EXPECT_THAT(problems(), IsEmpty());
 }
 
+TEST_F(RecoveryTest, OfAShotThatIsDroppedNoFileStaysWhateverIsNewer) {
+  fs::copy_file(path_ / "catalog.sqlite", folder_ / "older.sqlite");
+  std::vector<FrameRow> rows;
+  {
+    Archive archive(optionsFor(path_));
+    StepRow step = stepRow(1);
+    step.id = archive.beginStep(step);
+    ShotRow shot = shotRow(step);
+    shot.id = archive.armShot(shot);
+    const Bytes first = frameBytes(2), second = frameBytes(3);
+    rows = archive.acknowledge(
+        shot, std::vector{pendingFrame(shot, first, 0), pendingFrame(shot, second, 1)}, {},
+        at(600));
+  }
+  fs::copy_file(folder_ / "older.sqlite", path_ / "catalog.sqlite",
+                fs::copy_options::overwrite_existing);
+  fs::remove(path_ / framePath(rows[1].sha256, rows[1].ext));
+  // A product's line, say, came after the frames.
+  const auto placed = path_ / framePath(rows[0].sha256, rows[0].ext);
+  fs::last_write_time(placed.parent_path(), fs::last_write_time(journal()) - std::chrono::hours(1));
+  EXPECT_EQ(reopen().frames_quarantined, 1);
+  EXPECT_FALSE(fs::exists(placed));
+  EXPECT_THAT(problems(), IsEmpty());
+}
+
 TEST_F(RecoveryTest, ARowWhoseFileIsGoneIsMarkedOnceAndFoundAgain) {
   const ArchiveReader reader(path_);
   const FrameRow frame = *reader.newestFrame(kRunId);
