@@ -128,6 +128,7 @@ std::shared_ptr<Answer<Picture>> CameraUnit::collect(const devices::Exposure& ex
         Picture picture;
         picture.frames = std::move(*frames);
         picture.check = check->check(picture.frames, t, lit);
+        check->remember(picture.check);  // here: the session may never come to look at it
         return picture;
       });
   picture_ = answer;

@@ -30,8 +30,6 @@ class CameraUnit {
   const devices::CameraCaps& caps() const { return caps_; }
   RecoveryLadder& ladder() { return ladder_; }
   const RecoveryLadder& ladder() const { return ladder_; }
-  // While none of its answers is outstanding.
-  FrameCheck& frames() { return *frames_; }
 
   // Begins what makes it ready for this exposure, unless that is under way: climbs the ladder's
   // rung first when something failed, configures when the settings are not the asked ones, and
@@ -77,7 +75,7 @@ class CameraUnit {
 
   devices::CameraCaps caps_;
   devices::Clock& clock_;
-  std::shared_ptr<FrameCheck> frames_;
+  std::shared_ptr<FrameCheck> frames_;  // the worker's alone
   RecoveryLadder ladder_;
   std::optional<devices::Exposure> configured_;
   std::optional<devices::Rung> wanted_ = devices::Rung::kReopen;  // before the next shot

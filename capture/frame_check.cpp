@@ -9,6 +9,19 @@
 namespace patina::capture {
 namespace {
 
+constexpr std::size_t kKnownMost = 16;  // files of a camera that has failed for long
+
+// Less than half of a file may be what all files of a camera begin with.
+bool isCut(const devices::RawFrame& frame) {
+  const auto length = static_cast<std::int64_t>(frame.bytes.size());
+  return frame.declared_bytes && length < *frame.declared_bytes &&
+         length >= *frame.declared_bytes / 2 && length > 0;
+}
+
+SeenFile seenFile(const devices::RawFrame& frame, bool lit) {
+  return {frame.file_index, sha256(frame.bytes), frame.bytes.size(), isCut(frame), lit};
+}
+
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
 // What one decode gives.
@@ -91,7 +104,19 @@ void FrameCheck::refuse(ShotCheck& out, FrameFault fault, std::string detail) co
   out.detail = "camera '" + caps_.id + "': " + std::move(detail);
 }
 
-void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& out) const {
+// Of a file that had come cut short only its beginning is known.
+const SeenFile* FrameCheck::repeatedBy(const devices::RawFrame& frame, const SeenFile& seen) const {
+  const auto again = std::ranges::find_if(known_, [&](const SeenFile& known) {
+    if (known.file_index != seen.file_index) return false;
+    if (known.sha256 == seen.sha256) return true;
+    return known.cut && known.bytes < seen.bytes &&
+           sha256(std::span(frame.bytes).first(known.bytes)) == known.sha256;
+  });
+  return again == known_.end() ? nullptr : &*again;
+}
+
+void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
+                           ShotCheck& out) const {
   const auto length = static_cast<std::int64_t>(frame.bytes.size());
   if (length == 0) return refuse(out, FrameFault::kLength, "an empty file");
   if (frame.declared_bytes && *frame.declared_bytes != length)
@@ -100,9 +125,8 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
                       std::to_string(*frame.declared_bytes));
   CheckedFrame checked;
   checked.frame = &frame;
-  checked.sha256 = sha256(frame.bytes);
-  const auto last = last_.find(frame.file_index);
-  const bool repeated = last != last_.end() && last->second.sha256 == checked.sha256;
+  checked.sha256 = seen.sha256;
+  const SeenFile* repeated = repeatedBy(frame, seen);
 
   const bool first = frame.file_index == 0;
   Decoded d;
@@ -130,7 +154,7 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
         "samples of " + std::to_string(d.bits) + " bits, contract " + std::to_string(caps_.bits));
   // Two developed pictures of the dark may be equal, if neither was to show anything. Raw ones have
   // noise, and a real camera's its time and counters.
-  if (repeated && (d.raw || lit || last->second.lit) && !d.all_equal)
+  if (repeated && (d.raw || seen.lit || repeated->lit) && !d.all_equal)
     return refuse(out, FrameFault::kDuplicate, "the previous picture came again as a new one");
   checked.size = d.size;
   checked.saturated_fraction = d.saturated_fraction;
@@ -144,7 +168,6 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& 
 ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
                             const devices::Ticket& ticket, bool lit) const {
   ShotCheck out;
-  out.lit = lit;
   std::vector<const devices::RawFrame*> files(std::max<std::size_t>(caps_.extensions.size(), 1));
   for (const devices::RawFrame& frame : frames) {
     if (frame.sequence != 0 && frame.sequence != ticket.sequence) {
@@ -166,9 +189,12 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
     else
       files[index] = &frame;
   }
+  for (const devices::RawFrame* file : files)
+    if (file) out.came.push_back(seenFile(*file, lit));
+  auto seen = out.came.cbegin();
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (files[i]) {
-      checkFile(*files[i], lit, out);
+      checkFile(*files[i], *seen++, out);
     } else if (frames.empty() || out.remarks.empty()) {
       refuse(out, FrameFault::kMissingFile,
              "file " + std::to_string(i) + " of the shot is missing");
@@ -181,7 +207,16 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
 }
 
 void FrameCheck::remember(const ShotCheck& seen) {
-  for (const CheckedFrame& f : seen.frames) last_[f.frame->file_index] = {f.sha256, seen.lit};
+  if (seen.fault == FrameFault::kNone) known_.clear();
+  for (const SeenFile& file : seen.came) {
+    if (std::ranges::any_of(known_, [&](const SeenFile& known) {
+          return known.file_index == file.file_index && known.sha256 == file.sha256;
+        }))
+      continue;
+    // The good picture stays: its files are the oldest.
+    if (known_.size() == kKnownMost) known_.erase(known_.begin() + kKnownMost / 2);
+    known_.push_back(file);
+  }
 }
 
 }  // namespace patina::capture

@@ -4,7 +4,6 @@
 // on the mosaic, without interpolation.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,18 +31,26 @@ struct CheckedFrame {
   SizePx size;
   double saturated_fraction = 0;
 };
+// A file as it came, good or not: all that is needed to know it again.
+struct SeenFile {
+  int file_index = 0;
+  Sha256 sha256;
+  std::size_t bytes = 0;
+  bool cut = false;  // it is the beginning of a file, and most of it
+  bool lit = false;
+};
 struct ShotCheck {
   FrameFault fault = FrameFault::kNone;
   std::string detail;                // one line for a person
   std::vector<CheckedFrame> frames;  // in file_index order; borrowed from the shot
+  std::vector<SeenFile> came;        // the shot's files, also those of a shot that is refused
   std::vector<std::string> remarks;  // "duplicate file dropped", "late picture of shot 41"
   std::optional<calibration::PatchLevel> patch;  // of the first file
   double saturated_fraction = 0;                 // of the first file
   bool all_equal = false;  // black or flat: a verdict of the light, never a refusal
-  bool lit = false;        // some lamp was on
 };
 
-// The contract of one camera, and what its last picture was. One object a camera.
+// The contract of one camera, and what its last picture was. One object a camera; no locks.
 class FrameCheck {
  public:
   FrameCheck(const devices::CameraCaps& caps, std::optional<RectPx> patch);
@@ -52,21 +59,19 @@ class FrameCheck {
   // whose samples are all equal; any other raw file has noise and never does.
   ShotCheck check(const std::vector<devices::RawFrame>& frames, const devices::Ticket& ticket,
                   bool lit) const;
-  // The hashes of what came are what a stale picture would repeat, also when the light or the disk
-  // kept the shot from being acknowledged.
+  // What came is what a stale picture would repeat, also when nobody waited for it any more, it was
+  // refused, or the light or the disk kept it from being acknowledged. Known are the last picture
+  // that was good and what was refused since.
   void remember(const ShotCheck& seen);
 
  private:
-  void checkFile(const devices::RawFrame& frame, bool lit, ShotCheck& out) const;
+  void checkFile(const devices::RawFrame& frame, const SeenFile& seen, ShotCheck& out) const;
+  const SeenFile* repeatedBy(const devices::RawFrame& frame, const SeenFile& seen) const;
   void refuse(ShotCheck& out, FrameFault fault, std::string detail) const;
 
   const devices::CameraCaps& caps_;
   std::optional<RectPx> patch_;
-  struct Last {
-    Sha256 sha256;
-    bool lit = false;
-  };
-  std::map<int, Last> last_;  // by file_index
+  std::vector<SeenFile> known_;  // oldest first
 };
 
 }  // namespace patina::capture

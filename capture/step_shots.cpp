@@ -148,7 +148,6 @@ void StepRunner::inspect(Attempt& a) {
   if (!a.picture->get()) return fail(a, a.picture->get().error());
   const ShotCheck& check = a.check();
   for (const std::string& remark : check.remarks) event("stale", remark);
-  a.unit->frames().remember(check);
   if (check.fault == FrameFault::kNone) {
     a.good = true;
     return;

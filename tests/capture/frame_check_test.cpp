@@ -114,6 +114,58 @@ TEST(FrameCheck, RefusesThePreviousPictureReturnedAsNew) {
       << "a picture of the light is none of the dark";
 }
 
+TEST(FrameCheck, KnowsAPictureWhoseOtherFileCameCutShort) {
+  Bench b;
+  b.caps.extensions = {"jpg", "jpg"};
+  for (const std::size_t spoilt : {0u, 1u}) {
+    FrameCheck check(b.caps, {});
+    std::vector<devices::RawFrame> whole{b.jpeg(1), b.jpeg(2)};
+    whole[1].file_index = 1;
+    auto cut = whole;
+    cut[spoilt].bytes.resize(10);  // what all files begin with
+    const ShotCheck refused = check.check(cut, b.ticket, true);
+    ASSERT_EQ(refused.fault, FrameFault::kLength);
+    check.remember(refused);
+    EXPECT_EQ(check.check(whole, b.ticket, true).fault, FrameFault::kDuplicate) << spoilt;
+  }
+}
+
+TEST(FrameCheck, KnowsByItsBeginningAPictureThatCameCutShort) {
+  Bench b;
+  FrameCheck check(b.caps, {});
+  const std::vector<devices::RawFrame> whole{b.jpeg(1)};
+  auto cut = whole;
+  cut[0].bytes.resize(cut[0].bytes.size() * 2 / 3);
+  check.remember(check.check(cut, b.ticket, true));
+  EXPECT_EQ(check.check({b.jpeg(2)}, b.ticket, true).fault, FrameFault::kNone);
+  EXPECT_EQ(check.check(whole, b.ticket, true).fault, FrameFault::kDuplicate);
+}
+
+TEST(FrameCheck, DoesNotTakeTheHeaderOfAFileForThePicture) {
+  Bench b;
+  FrameCheck check(b.caps, {});
+  const std::vector<devices::RawFrame> whole{b.jpeg(1)};
+  auto cut = whole;
+  cut[0].bytes.resize(100);
+  check.remember(check.check(cut, b.ticket, true));
+  EXPECT_EQ(check.check({b.jpeg(2)}, b.ticket, true).fault, FrameFault::kNone);
+}
+
+TEST(FrameCheck, KnowsTheLastGoodPictureThoughOthersFailedSince) {
+  Bench b;
+  FrameCheck check(b.caps, {});
+  const std::vector<devices::RawFrame> good{b.jpeg(1)};
+  check.remember(check.check(good, b.ticket, true));
+  for (std::uint64_t seed = 100; seed < 150; ++seed) {
+    std::vector<devices::RawFrame> cut{b.jpeg(seed)};
+    const auto whole = cut;
+    cut[0].bytes.resize(cut[0].bytes.size() * 2 / 3);
+    check.remember(check.check(cut, b.ticket, true));
+    EXPECT_EQ(check.check(whole, b.ticket, true).fault, FrameFault::kDuplicate) << seed;
+  }
+  EXPECT_EQ(check.check(good, b.ticket, true).fault, FrameFault::kDuplicate);
+}
+
 TEST(FrameCheck, LetsTwoPicturesOfTheDarkBeEqual) {
   Bench b;
   FrameCheck check(b.caps, {});

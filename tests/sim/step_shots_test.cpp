@@ -81,6 +81,31 @@ TEST(StepShots, KnowsAPictureThatComesAgainThoughItNeverReachedTheDisk) {
   sim.expectWhole();
 }
 
+// The disk is full when the failure of the other camera is to be written: the session looks no
+// further.
+TEST(StepShots, KnowsAPictureThatComesAgainThoughNobodyLookedAtIt) {
+  Simulation sim({.light_check = "mode = \"uncontrolled\"",
+                  .format = "dng",
+                  .cameras = 2,
+                  .faults = "[[fault]]\nat = \"25min\"\ndevice = \"cam0\"\nkind = \"late\"\n"
+                            "[[fault]]\nat = \"35min\"\ndevice = \"cam1\"\n"
+                            "kind = \"stale_frame\"\n"});
+  FullDisk disk;
+  sim.archive_options.files = &disk;
+  const MonoTime full = sim.clock.mono() + 25min, room = full + 10min;
+  sim.clock.at(room, [&] { disk.writes_fail = false; });
+  sim.run([&](capture::SessionHooks& hooks) {
+    hooks.on_light = [&](auto) {
+      disk.writes_fail = sim.clock.mono() >= full && sim.clock.mono() < room;
+    };
+  });
+  EXPECT_EQ(sim.reader().step(sim.run_id, 3)->reason, "disk");
+  std::vector<std::string> failed;
+  for (const auto& event : sim.events("shot_failed")) failed.push_back(event.detail);
+  EXPECT_THAT(failed, Contains(HasSubstr("the previous picture came again")));
+  sim.expectWhole();
+}
+
 TEST(StepShots, RaisesAnAlarmWhenThePictureClips) {
   Simulation sim({.duration = "1h", .exposures = R"(["1/2"])"});
   sim.run();
