@@ -80,7 +80,7 @@ TEST(SteelRusting, HazeComesEvenlyBesideThePits) {
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
         if (isCrust(maps, x, y)) continue;
-        const auto q = static_cast<std::size_t>(2 * (y / (kSide / 2)) + x / (kSide / 2));
+        const int q = 2 * (y / (kSide / 2)) + x / (kSide / 2);
         sum[q] += maps.specular.at(x, y, 0);
         ++n[q];
       }

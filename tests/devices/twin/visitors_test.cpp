@@ -84,9 +84,10 @@ TEST(Visitors, AnInsectIsASmallDarkSpotWhereItIs) {
   drawInsect(light, kSize, place);
   double area = 0, x_px = 0, y_px = 0;
   for (std::size_t k = 0; k < kPixels; ++k) {
+    const std::size_t column = k % 128, row = k / 128;
     area += 1 - light[k];
-    x_px += (1 - light[k]) * (static_cast<double>(k % 128) + 0.5);
-    y_px += (1 - light[k]) * (static_cast<double>(k / 128) + 0.5);
+    x_px += (1 - light[k]) * (static_cast<double>(column) + 0.5);
+    y_px += (1 - light[k]) * (static_cast<double>(row) + 0.5);
   }
   EXPECT_NEAR(x_px / area, place.x_px, 0.5 * place.half_length_px);
   EXPECT_NEAR(y_px / area, place.y_px, 0.5 * place.half_length_px);
