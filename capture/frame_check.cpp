@@ -11,17 +11,6 @@ namespace {
 
 constexpr std::size_t kKnownMost = 16;  // files of a camera that has failed for long
 
-// Less than half of a file may be what all files of a camera begin with.
-bool isCut(const devices::RawFrame& frame) {
-  const auto length = static_cast<std::int64_t>(frame.bytes.size());
-  return frame.declared_bytes && length < *frame.declared_bytes &&
-         length >= *frame.declared_bytes / 2 && length > 0;
-}
-
-SeenFile seenFile(const devices::RawFrame& frame, bool lit) {
-  return {frame.file_index, sha256(frame.bytes), frame.bytes.size(), isCut(frame), lit};
-}
-
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
 // What one decode gives.
@@ -104,15 +93,11 @@ void FrameCheck::refuse(ShotCheck& out, FrameFault fault, std::string detail) co
   out.detail = "camera '" + caps_.id + "': " + std::move(detail);
 }
 
-// Of a file that had come cut short only its beginning is known.
-const SeenFile* FrameCheck::repeatedBy(const devices::RawFrame& frame, const SeenFile& seen) const {
-  const auto again = std::ranges::find_if(known_, [&](const SeenFile& known) {
-    if (known.file_index != seen.file_index) return false;
-    if (known.sha256 == seen.sha256) return true;
-    return known.cut && known.bytes < seen.bytes &&
-           sha256(std::span(frame.bytes).first(known.bytes)) == known.sha256;
+const SeenFile* FrameCheck::knownAs(const SeenFile& seen) const {
+  const auto known = std::ranges::find_if(known_, [&](const SeenFile& k) {
+    return k.file_index == seen.file_index && k.sha256 == seen.sha256;
   });
-  return again == known_.end() ? nullptr : &*again;
+  return known == known_.end() ? nullptr : &*known;
 }
 
 void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
@@ -126,7 +111,7 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
   CheckedFrame checked;
   checked.frame = &frame;
   checked.sha256 = seen.sha256;
-  const SeenFile* repeated = repeatedBy(frame, seen);
+  const SeenFile* repeated = knownAs(seen);
 
   const bool first = frame.file_index == 0;
   Decoded d;
@@ -190,7 +175,7 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
       files[index] = &frame;
   }
   for (const devices::RawFrame* file : files)
-    if (file) out.came.push_back(seenFile(*file, lit));
+    if (file) out.came.push_back({file->file_index, sha256(file->bytes), lit});
   auto seen = out.came.cbegin();
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (files[i]) {
@@ -209,10 +194,7 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
 void FrameCheck::remember(const ShotCheck& seen) {
   if (seen.fault == FrameFault::kNone) known_.clear();
   for (const SeenFile& file : seen.came) {
-    if (std::ranges::any_of(known_, [&](const SeenFile& known) {
-          return known.file_index == file.file_index && known.sha256 == file.sha256;
-        }))
-      continue;
+    if (knownAs(file)) continue;
     // The good picture stays: its files are the oldest.
     if (known_.size() == kKnownMost) known_.erase(known_.begin() + kKnownMost / 2);
     known_.push_back(file);

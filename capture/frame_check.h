@@ -35,8 +35,6 @@ struct CheckedFrame {
 struct SeenFile {
   int file_index = 0;
   Sha256 sha256;
-  std::size_t bytes = 0;
-  bool cut = false;  // it is the beginning of a file, and most of it
   bool lit = false;
 };
 struct ShotCheck {
@@ -66,7 +64,7 @@ class FrameCheck {
 
  private:
   void checkFile(const devices::RawFrame& frame, const SeenFile& seen, ShotCheck& out) const;
-  const SeenFile* repeatedBy(const devices::RawFrame& frame, const SeenFile& seen) const;
+  const SeenFile* knownAs(const SeenFile& seen) const;
   void refuse(ShotCheck& out, FrameFault fault, std::string detail) const;
 
   const devices::CameraCaps& caps_;
