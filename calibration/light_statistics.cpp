@@ -224,6 +224,14 @@ const char* name(LightVerdict v) {
   return "?";
 }
 
+LightVerdict parseVerdict(const std::string& text) {
+  for (int v = 0; v <= static_cast<int>(LightVerdict::kAtOdds); ++v)
+    if (text == name(static_cast<LightVerdict>(v))) return static_cast<LightVerdict>(v);
+  return LightVerdict::kMeasure;
+}
+
+bool isBad(LightVerdict v) { return v == LightVerdict::kHold || v == LightVerdict::kFail; }
+
 void LightModelOptions::check() const {
   requireRange(step_band > 0 && step_band < 1, "step band", step_band, "(0, 1)");
   requireRange(drift_band > 0 && drift_band < 1, "drift band", drift_band, "(0, 1)");

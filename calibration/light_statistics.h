@@ -40,6 +40,8 @@ enum class LightVerdict {
   kAtOdds
 };
 const char* name(LightVerdict v);
+LightVerdict parseVerdict(const std::string& text);  // kMeasure when it is none
+bool isBad(LightVerdict v);                          // hold or fail
 
 struct LightModelOptions {
   double step_band = 0.02;       // a jump against the forecast beyond this, either side: hold

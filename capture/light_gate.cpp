@@ -10,7 +10,9 @@
 namespace patina::capture {
 namespace {
 
+using calibration::isBad;
 using calibration::LightVerdict;
+using calibration::parseVerdict;
 
 constexpr double kPatchSaturated = 0.02;  // share of the patch's samples
 constexpr double kCoveredBelow = 0.5;     // of the forecast, while a sensor says light
@@ -18,21 +20,6 @@ constexpr double kCoveredSpread = 3.0;    // times the spread of the good patch 
 constexpr double kSpreadLeast = 0.05;     // ... and at least this
 constexpr double kApartBands = 2.5;       // a drift that one witness follows alone
 const char* const kChannels[] = {"r", "g", "b"};
-
-bool isBad(LightVerdict v) { return v == LightVerdict::kHold || v == LightVerdict::kFail; }
-
-LightVerdict parseVerdict(const std::string& text) {
-  for (int v = 0; v <= static_cast<int>(LightVerdict::kAtOdds); ++v)
-    if (text == calibration::name(static_cast<LightVerdict>(v)))
-      return static_cast<LightVerdict>(v);
-  return LightVerdict::kMeasure;
-}
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%+.1f %%", share * 100);
-  return text;
-}
 
 void setVerdict(GateVerdict& out, std::size_t first_row, std::size_t rows, LightVerdict v) {
   for (std::size_t i = first_row; i < first_row + rows; ++i)
@@ -81,12 +68,20 @@ void LightGate::restore(std::span<const db::LightCheckRow> rows) {
       calibration::judgeLevel(w.series, r.level, r.utc, options_);
     } else if ((verdict == LightVerdict::kPass || verdict == LightVerdict::kCorrect) &&
                r.baseline > 0 && r.gain > 0) {
-      if (w.series.baseline != r.baseline) w.series.agreed = options_.learn_samples;
+      const double forecast = r.baseline / r.gain;
+      if (w.series.baseline == r.baseline && r.channel == "lx") {
+        follow(r, forecast / w.series.forecast);
+      } else if (w.series.baseline != r.baseline) {
+        remember(w, r.baseline);
+        w.series.agreed = options_.learn_samples;
+      }
       w.series.agreed = std::min(w.series.agreed + 1, options_.firm_samples);
       w.series.baseline = r.baseline;
-      w.series.forecast = r.baseline / r.gain;
+      w.series.forecast = forecast;
       w.series.last_utc = r.utc;
       w.series.learning.clear();
+      w.unseen = 1;
+      if (!calibration::isProvisional(w.series, options_)) w.former.reset();
     }
   }
 }
@@ -105,6 +100,22 @@ db::LightCheckRow LightGate::row(const LightSample& sample, const std::string& s
   return r;
 }
 
+// Against what was seen last and, where that does not fit, against what the light has become since
+// by the lux sensor.
+void LightGate::judgeSeries(Judged& j, double level, UtcTime utc) const {
+  const Watched before = j.after;
+  const auto judge = [&](double unseen) {
+    j.after.series = before.series;
+    j.after.series.forecast *= unseen;
+    if (j.known) j.deviation = level / j.after.series.forecast - 1;
+    j.judgement = calibration::judgeLevel(j.after.series, level, utc, options_, j.noise);
+    return !isBad(j.judgement.verdict);
+  };
+  if (!judge(1) && j.known && before.unseen != 1 && !judge(before.unseen)) judge(1);
+  j.after.unseen = 1;
+  if (!calibration::isProvisional(j.after.series, options_)) j.after.former.reset();
+}
+
 LightGate::Judged LightGate::judgeChannel(const LightSample& sample, const std::string& source,
                                           const std::string& channel, double level, double noise,
                                           GateVerdict& out) {
@@ -117,9 +128,9 @@ LightGate::Judged LightGate::judgeChannel(const LightSample& sample, const std::
     j.after = *j.watched;
     j.after.refused.clear();  // what is kept of it is that a shot was taken
     j.known = j.after.series.baseline > 0;
-    if (j.known) j.deviation = level / j.after.series.forecast - 1;
+    j.noise = noise;
     r.baseline = j.after.series.baseline;
-    j.judgement = calibration::judgeLevel(j.after.series, level, sample.utc, options_, noise);
+    judgeSeries(j, level, sample.utc);
     r.ratio = r.baseline > 0 ? j.judgement.ratio : 0;
     r.gain = j.judgement.gain;
     if (j.judgement.step_while_learning != 0 && out.changed.empty())
@@ -261,81 +272,6 @@ void LightGate::compare(std::vector<Witness>& witnesses, const LightSample& samp
   }
 }
 
-// A plain step against a baseline that may itself be wrong, and no larger than a drift may be.
-bool LightGate::contradicts(const Witness& w, const GateVerdict& out) const {
-  if (std::abs(w.deviation) <= check_.band || std::abs(w.deviation) > options_.drift_band)
-    return false;
-  for (std::size_t c = 0; c < w.channels.size(); ++c) {
-    const Judged& j = w.channels[c];
-    const LightVerdict verdict = parseVerdict(out.rows[w.first_row + c].verdict);
-    // A channel that still learns speaks for no baseline, unless it is dark.
-    if (!j.watched) return false;
-    if (j.known ? !calibration::isProvisional(j.watched->series, options_) : isBad(verdict))
-      return false;
-    if (verdict == LightVerdict::kCovered || verdict == LightVerdict::kAtOdds) return false;
-  }
-  return true;
-}
-
-// Remembers what is refused; never the shots that something else is wrong with.
-void LightGate::doubt(std::vector<Witness>& witnesses, const GateVerdict& out) const {
-  const bool doubtful =
-      std::any_of(witnesses.begin(), witnesses.end(), [](const Witness& w) { return w.bad; }) &&
-      std::all_of(witnesses.begin(), witnesses.end(),
-                  [&](const Witness& w) { return !w.bad || contradicts(w, out); });
-  for (Witness& w : witnesses)
-    for (std::size_t c = 0; c < w.channels.size(); ++c) {
-      if (!w.channels[c].watched) continue;
-      std::vector<double>& refused = w.channels[c].watched->refused;
-      if (!doubtful) {
-        refused.clear();
-        continue;
-      }
-      refused.push_back(out.rows[w.first_row + c].level);
-      if (refused.size() > static_cast<std::size_t>(options_.firm_samples))
-        refused.erase(refused.begin());
-    }
-}
-
-// When every channel has been refused often enough and has settled. Judged over all that was
-// refused: of many noisy channels one or another is always unsteady over a few levels.
-void LightGate::learnAnew(std::vector<Witness>& witnesses, const LightSample& sample,
-                          GateVerdict& out) const {
-  std::string changed;
-  for (const Witness& w : witnesses)
-    for (std::size_t c = 0; c < w.channels.size(); ++c) {
-      const Watched* watched = w.channels[c].watched;
-      if (!watched) continue;
-      if (watched->refused.size() < static_cast<std::size_t>(options_.firm_samples) ||
-          !calibration::settledLevel(watched->refused, options_))
-        return;
-      if (w.bad && changed.empty())
-        changed = "light " + sample.light_state + ": " + w.source + " " + percent(w.deviation) +
-                  " against what was learned, and it stays so; the baseline is learned anew";
-    }
-  if (changed.empty()) return;
-  for (Witness& w : witnesses) {
-    w.bad = false;
-    for (std::size_t c = 0; c < w.channels.size(); ++c) {
-      Judged& j = w.channels[c];
-      if (!j.watched) continue;
-      db::LightCheckRow& r = out.rows[w.first_row + c];
-      j.after.series = {};
-      j.after.series.baseline = *calibration::settledLevel(j.watched->refused, options_);
-      j.after.series.forecast = j.after.series.baseline;
-      j.after.series.agreed = options_.learn_samples;
-      j.after.series.last_utc = sample.utc;
-      j.after.refused.clear();
-      r.verdict = calibration::name(LightVerdict::kLearn);
-      r.baseline = r.ratio = 0;
-      r.gain = 1;
-    }
-  }
-  out.blocks = false;
-  out.reason.clear();
-  out.changed = changed;
-}
-
 // "0.998 pass"; without a baseline there is no ratio: "learning 2 of 3", "measure".
 std::string LightGate::summaryOf(const Judged& judged, const db::LightCheckRow& row,
                                  const GateVerdict& out) const {
@@ -376,7 +312,8 @@ GateVerdict LightGate::judge(const LightSample& sample) {
       out.blocks = out.blocks || w.bad;
     }
   doubt(witnesses, out);
-  if (out.blocks && !surroundings_block) learnAnew(witnesses, sample, out);
+  if (out.blocks && !surroundings_block && !takeBack(witnesses, sample, out))
+    learnAnew(witnesses, sample, out);
   if (const std::string apart = driftedApart(out.rows, kApartBands * check_.band);
       !out.blocks && !apart.empty())
     blame(out, LightVerdict::kAtOdds, false, "light " + sample.light_state + ": " + apart);
@@ -390,9 +327,7 @@ GateVerdict LightGate::judge(const LightSample& sample) {
     out.summary = sample.light_state + " " + summaryOf(witnesses[0].channels[shown], r, out);
     if (out.reason.empty()) out.worst = parseVerdict(r.verdict);
   }
-  for (Witness& w : witnesses)
-    for (Judged& j : w.channels)
-      if (!out.blocks && j.watched) *j.watched = std::move(j.after);
+  if (!out.blocks) takeIn(witnesses, out);
   return out;
 }
 

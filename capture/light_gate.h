@@ -10,7 +10,10 @@
 // the shot is taken: nobody knows which level is the right one. After it, until ten levels have
 // agreed, the baseline is provisional: a step is held as always, but when it lasts for ten tries
 // and is no larger than a drift may be, the baseline is learned anew and the run goes on, since a
-// fault that ended there would hold it for ever. Both come out as `changed`.
+// fault that ended there would hold it for ever. When the light then goes back to what was learned
+// first, before the new baseline is firm, the first one holds again. All come out as `changed`.
+//
+// A patch whose camera was away may be judged by what the lux sensor has followed since.
 #pragma once
 
 #include <array>
@@ -80,13 +83,20 @@ class LightGate {
     calibration::LightSeries series;
     double spread = -1;           // of the patch while all was well; below 0: not known yet
     std::vector<double> refused;  // in a row, against a provisional baseline
+    std::optional<calibration::LightSeries> former;  // that a provisional one was learned over
+    double unseen = 1;  // what the lux sensor's forecast was multiplied by since this looked last
   };
   struct Judged {  // one channel, before it is known whether the shot blocks
     Watched* watched = nullptr;
     Watched after;
     calibration::LightJudgement judgement;
     double deviation = 0;  // of the level from the forecast
+    double noise = 0;      // of the level, relative
     bool known = false;    // there was a baseline to deviate from
+  };
+  struct Former {
+    calibration::LightSeries series;
+    calibration::LightJudgement judgement;
   };
   struct Witness {  // one patch or one lux sensor
     std::string source;
@@ -101,11 +111,16 @@ class LightGate {
   void judgeBand(const LightSample& sample, const SensorSample& sensor, GateVerdict& out) const;
   Judged judgeChannel(const LightSample& sample, const std::string& source,
                       const std::string& channel, double level, double noise, GateVerdict& out);
+  void judgeSeries(Judged& judged, double level, UtcTime utc) const;
   void compare(std::vector<Witness>& witnesses, const LightSample& sample, GateVerdict& out) const;
   bool contradicts(const Witness& witness, const GateVerdict& out) const;
   void doubt(std::vector<Witness>& witnesses, const GateVerdict& out) const;
   void learnAnew(std::vector<Witness>& witnesses, const LightSample& sample,
                  GateVerdict& out) const;
+  bool takeBack(std::vector<Witness>& witnesses, const LightSample& sample, GateVerdict& out) const;
+  static void remember(Watched& watched, double baseline);
+  void follow(const db::LightCheckRow& lux, double change);
+  void takeIn(std::vector<Witness>& witnesses, const GateVerdict& out);
   std::string summaryOf(const Judged& judged, const db::LightCheckRow& row,
                         const GateVerdict& out) const;
   db::LightCheckRow row(const LightSample& sample, const std::string& source,

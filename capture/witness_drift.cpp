@@ -12,12 +12,16 @@ bool counts(const db::LightCheckRow& row) {
 }
 
 std::string describe(const db::LightCheckRow& row) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%s (%+.1f %%)", row.source.c_str(), (row.ratio - 1) * 100);
-  return text;
+  return row.source + " (" + percent(row.ratio - 1) + ")";
 }
 
 }  // namespace
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%+.1f %%", share * 100);
+  return text;
+}
 
 std::string driftedApart(std::span<const db::LightCheckRow> rows, double band) {
   for (const db::LightCheckRow& patch : rows) {

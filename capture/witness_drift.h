@@ -11,6 +11,8 @@
 
 namespace patina::capture {
 
+std::string percent(double share);  // "+6.1 %"
+
 // Of the rows of one judged shot: the first patch (its green) and lux sensor whose changes since
 // each was learned differ by more than `band`, a share: "patch:cam0 (+6.1 %) and sensor:lux0
 // (-0.2 %) have drifted apart ...". Empty while all agree; rows that were not taken do not count.
