@@ -2,18 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "devices/twin/specimen.h"
+#include "tests/devices/twin/mean_of.h"
 
 namespace patina::devices::twin {
 namespace {
 
 constexpr int kSide = 160;
-
-double meanOf(const Image<float>& image, int channel = 0) {
-  double sum = 0;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) sum += image.at(x, y, channel);
-  return sum / (static_cast<double>(image.width()) * image.height());
-}
 
 // Share of texels that are green, not metal nor brown.
 double greenShare(const SurfaceMaps& maps) {

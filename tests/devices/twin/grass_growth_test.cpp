@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "devices/twin/specimen.h"
+#include "tests/devices/twin/mean_of.h"
 
 namespace patina::devices::twin {
 namespace {
@@ -25,13 +26,6 @@ double greenShare(const SurfaceMaps& maps, int y0 = 0, int y1 = kSide) {
   for (int y = y0; y < y1; ++y)
     for (int x = 0; x < kSide; ++x) green += isGreen(maps, x, y);
   return green / (kSide * (y1 - y0));
-}
-
-double meanOf(const Image<float>& image, int channel = 0) {
-  double sum = 0;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) sum += image.at(x, y, channel);
-  return sum / (static_cast<double>(image.width()) * image.height());
 }
 
 TEST(GrassGrowth, BeginsAsDarkBrownSoilWithSeeds) {

@@ -5,18 +5,12 @@
 #include <cmath>
 
 #include "devices/twin/specimen.h"
+#include "tests/devices/twin/mean_of.h"
 
 namespace patina::devices::twin {
 namespace {
 
 constexpr int kSide = 256;
-
-double meanOf(const Image<float>& image, int channel = 0) {
-  double sum = 0;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) sum += image.at(x, y, channel);
-  return sum / (static_cast<double>(image.width()) * image.height());
-}
 
 const Specimen& paint() {
   static const auto once = makeSpecimen("paint_cracking", 5);

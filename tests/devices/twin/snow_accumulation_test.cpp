@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "devices/twin/specimen.h"
+#include "tests/devices/twin/mean_of.h"
 
 namespace patina::devices::twin {
 namespace {
@@ -15,13 +16,6 @@ constexpr double kTexelMm = 120.0 / kSide;
 SurfaceMaps snowAt(double time) {
   static const auto snow = makeSpecimen("snow_accumulation", 5);
   return snow->surfaceAt(time, {kSide, kSide});
-}
-
-double meanOf(const Image<float>& image, int channel = 0) {
-  double sum = 0;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) sum += image.at(x, y, channel);
-  return sum / (static_cast<double>(image.width()) * image.height());
 }
 
 bool isWhite(const SurfaceMaps& maps, int x, int y) { return maps.diffuse.at(x, y) > 0.3f; }

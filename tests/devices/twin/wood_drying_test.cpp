@@ -6,18 +6,12 @@
 
 #include "devices/twin/specimen.h"
 #include "processing/brdf/ggx.h"
+#include "tests/devices/twin/mean_of.h"
 
 namespace patina::devices::twin {
 namespace {
 
 constexpr int kSide = 224;
-
-double meanOf(const Image<float>& image, int channel = 0) {
-  double sum = 0;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) sum += image.at(x, y, channel);
-  return sum / (static_cast<double>(image.width()) * image.height());
-}
 
 const Specimen& wood() {
   static const auto once = makeSpecimen("wood_drying", 5);
