@@ -43,7 +43,9 @@ class BackupTest : public ::testing::Test {
   }
   void open() { archive_ = std::make_unique<Archive>(optionsFor(path_)); }
   void shoot(int number) { capture(*archive_, number, static_cast<std::uint64_t>(number)); }
-  BackupReport backUp(const BackupOptions& options = {}) { return backup(path_, to_, options, progress_); }
+  BackupReport backUp(const BackupOptions& options = {}) {
+    return backup(path_, to_, options, progress_);
+  }
   fs::path frame(std::uint64_t seed, const fs::path& archive) const {
     return archive / framePath(sha256(frameBytes(seed)), "jpg");
   }
