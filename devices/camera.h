@@ -27,8 +27,8 @@ struct Exposure {
 struct CameraCaps {
   std::string id;  // of the rig file
   std::string model, serial;
-  SizePx size;                          // of a picture
-  int bits = 8;                         // of its samples
+  SizePx size;   // of a picture; 0x0: each file's own, learned from the first good shot
+  int bits = 8;  // of its samples; 0: learned too
   std::vector<std::string> extensions;  // of the files of one shot, in file_index order
   Nanoseconds exposure_min{}, exposure_max{};
   Nanoseconds cycle{};  // shortest time from trigger to the next trigger, readout included
@@ -36,7 +36,8 @@ struct CameraCaps {
   bool has_shutter = false;       // counts mechanical actuations
 };
 
-// What the hardware says it did, read back; never silently adjusted.
+// What the hardware says it did, read back; never silently adjusted. What a camera has no control
+// for (a webcam's ISO and f-number) comes back as it was asked for.
 struct Applied {
   Exposure exposure;
 };
@@ -54,6 +55,14 @@ struct Ticket {
   MonoTime began_mono;
 };
 
+// What the process of a driver made of a file's bytes (devices/host).
+struct Seen {
+  std::string refused;  // why they are no picture; empty: they are one
+  SizePx size;
+  int bits = 0;     // of its samples
+  Bytes thumbnail;  // JPEG, its longer side 256 px at most
+};
+
 struct RawFrame {
   int file_index = 0;  // RAW+JPEG: two files of one shot
   std::string ext;     // "dng" "jpg", no dot
@@ -63,6 +72,7 @@ struct RawFrame {
   UtcTime utc;                                 // mid exposure, host time
   MonoTime mono;
   std::string card_handle;  // for release(); empty when there is no card copy
+  std::optional<Seen> seen;
 };
 
 enum class Rung { kRetry, kDrain, kReopen, kReset, kPowerCycle };  // of the recovery ladder

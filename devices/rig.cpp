@@ -16,6 +16,8 @@ constexpr int kTwinSideMaxPx = 16'384;  // what one simulated frame may cost in 
 constexpr int kPatchSideMinPx = 4;      // fewer texels measure their own noise
 constexpr double kPositionMaxMm = 1e6;
 constexpr int kCharucoMarkers = 50;
+constexpr Nanoseconds kCallLimitMin = std::chrono::milliseconds(50);
+constexpr Nanoseconds kCallLimitMax = std::chrono::minutes(10);
 
 class Ids {
  public:
@@ -44,6 +46,10 @@ CameraSpec takeCamera(ConfigTable& table, Ids& ids) {
   camera.id = ids.take(table);
   camera.backend = table.takeId("backend");
   camera.serial = table.takeString("serial", "");
+  camera.on = table.takeString("on", "");
+  camera.call_limit =
+      table.takeDuration("call_limit", kCallLimitMin, kCallLimitMax, camera.call_limit);
+  camera.power = table.takeString("power", "");
   camera.settings = takeSettings(table);
   table.finish();
   return camera;
@@ -55,6 +61,7 @@ LightSpec takeLight(ConfigTable& table, Ids& ids) {
   if (light.id == "off") table.reject("id", "\"off\" is the name of the dark state");
   light.backend = table.takeId("backend");
   light.address = table.takeString("address", "");
+  light.on = table.takeString("on", "");
   const auto position = table.takeNumbers("position_mm", 3, std::vector<double>{0, 0, 500});
   std::copy(position.begin(), position.end(), light.position_mm.begin());
   for (const double mm : position) {
@@ -75,6 +82,7 @@ SensorSpec takeSensor(ConfigTable& table, Ids& ids) {
   SensorSpec sensor;
   sensor.id = ids.take(table);
   sensor.backend = table.takeId("backend");
+  sensor.on = table.takeString("on", "");
   std::vector<std::string> names;
   for (const Quantity q : {Quantity::kIlluminance, Quantity::kTemperature, Quantity::kHumidity}) {
     names.push_back(name(q));
@@ -101,6 +109,9 @@ TriggerSpec takeTrigger(ConfigTable& table, Ids& ids) {
   trigger.id = ids.take(table);
   trigger.backend = table.takeId("backend");
   trigger.address = table.takeString("address", "");
+  trigger.on = table.takeString("on", "");
+  if (table.has("cameras")) trigger.cameras = table.takeStrings("cameras");
+  trigger.settings = takeSettings(table);
   table.finish();
   return trigger;
 }
@@ -145,6 +156,7 @@ TwinSpec takeTwin(ConfigTable& table) {
   twin.specimen = table.takeString("specimen", twin.specimen);
   twin.size = table.takeSize("size", 16, kTwinSideMaxPx, twin.size);
   if (table.has("faults")) twin.faults = table.takePath("faults");
+  twin.hosted = table.takeBool("hosted", false);
   twin.shadows = table.takeBool("shadows", false);
   const std::vector<std::string> surroundings{"dark", "room", "daylight"};
   const std::string chosen = table.takeChoice("surroundings", surroundings, surroundings.front());
@@ -153,6 +165,44 @@ TwinSpec takeTwin(ConfigTable& table) {
   for (ConfigTable& t : table.takeTables("target")) twin.targets.push_back(takeTarget(t));
   table.finish();
   return twin;
+}
+
+HostSpec takeHost(ConfigTable& table, Ids& ids) {
+  HostSpec host;
+  host.id = ids.take(table);
+  host.address = table.takeString("address");
+  const std::size_t colon = host.address.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : host.address.substr(colon + 1);
+  if (colon == 0 || port.empty() || port.size() > 5 ||
+      port.find_first_not_of("0123456789") != std::string::npos)
+    table.reject("address", "must be NAME:PORT, as in \"pi.local:8461\"");
+  host.key = table.takePath("key");
+  table.finish();
+  return host;
+}
+
+// What names a host or a power switch must find it in this file.
+void checkNames(const ConfigTable& table, const RigSpec& rig) {
+  const auto require_host = [&](const std::string& device, const std::string& on) {
+    const auto named = [&](const HostSpec& host) { return host.id == on; };
+    if (!on.empty() && std::none_of(rig.hosts.begin(), rig.hosts.end(), named))
+      table.reject(device, "hangs on \"" + on + "\", which is no [[host]] of this rig");
+  };
+  for (const auto& d : rig.cameras) require_host(d.id, d.on);
+  for (const auto& d : rig.lights) require_host(d.id, d.on);
+  for (const auto& d : rig.sensors) require_host(d.id, d.on);
+  for (const auto& d : rig.triggers) require_host(d.id, d.on);
+  const auto known = [](const auto& devices, const std::string& id) {
+    return std::any_of(devices.begin(), devices.end(), [&](const auto& d) { return d.id == id; });
+  };
+  for (const CameraSpec& camera : rig.cameras)
+    if (!camera.power.empty() && camera.power != "hub" && !known(rig.lights, camera.power))
+      table.reject(camera.id,
+                   "is powered by \"" + camera.power + "\": neither \"hub\" nor a [[light]]");
+  for (const TriggerSpec& trigger : rig.triggers)
+    for (const std::string& camera : trigger.cameras)
+      if (!known(rig.cameras, camera))
+        table.reject(trigger.id, "fires \"" + camera + "\", which is no [[camera]] of this rig");
 }
 
 RectPx takeRect(ConfigTable& table, const std::string& key) {
@@ -211,9 +261,11 @@ RigSpec parseRig(const std::string& toml, const std::filesystem::path& source) {
   for (ConfigTable& t : table.takeTables("light")) rig.lights.push_back(takeLight(t, ids));
   for (ConfigTable& t : table.takeTables("sensor")) rig.sensors.push_back(takeSensor(t, ids));
   for (ConfigTable& t : table.takeTables("trigger")) rig.triggers.push_back(takeTrigger(t, ids));
+  for (ConfigTable& t : table.takeTables("host")) rig.hosts.push_back(takeHost(t, ids));
   if (auto twin = table.takeTable("twin")) rig.twin = takeTwin(*twin);
   for (ConfigTable& t : table.takeTables("patch")) rig.patches.push_back(takePatch(t, rig));
   table.finish();
+  checkNames(table, rig);
   if (rig.cameras.empty()) table.reject("camera", "is missing; a rig has at least one [[camera]]");
   return rig;
 }

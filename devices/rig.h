@@ -21,16 +21,20 @@ enum class Between { kOff, kOn, kKeep };  // what a lamp does between shots; kee
 
 struct CameraSpec {
   std::string id, backend, serial;
+  std::string on;  // the [[host]] whose machine it hangs on; empty: this one
+  Nanoseconds call_limit = std::chrono::seconds(10);  // of a call that has no deadline of its own
+  std::string power;  // what a power cycle switches: "hub", or the id of a light (a relay)
   std::map<std::string, std::string> settings;  // backend's own, checked by the backend
 };
 struct LightSpec {
   std::string id, backend, address;
+  std::string on;
   std::array<double, 3> position_mm{0, 0, 500};
   Between between = Between::kOff;
   std::map<std::string, std::string> settings;
 };
 struct SensorSpec {
-  std::string id, backend;
+  std::string id, backend, on;
   Quantity quantity = Quantity::kIlluminance;
   std::optional<std::array<double, 2>> band;  // relative for illuminance ([0.97,1.03] of its
                                               // baseline), absolute in unit() otherwise
@@ -38,6 +42,14 @@ struct SensorSpec {
 };
 struct TriggerSpec {
   std::string id, backend, address;
+  std::string on;
+  std::vector<std::string> cameras;  // whose shutters hang on this line
+  std::map<std::string, std::string> settings;
+};
+struct HostSpec {  // another machine, where `patina device-host --listen` runs
+  std::string id;
+  std::string address;        // "pi.local:8461"
+  std::filesystem::path key;  // the shared key's file, relative to the rig file
 };
 struct PatchSpec {  // the grey reference patch in a camera's picture
   std::string camera;
@@ -57,6 +69,7 @@ enum class Surroundings { kDark, kRoom, kDaylight };  // light that is not the r
 struct TwinSpec {
   std::string specimen = "banana_ripening";
   SizePx size{512, 512};
+  bool hosted = false;                          // the whole world in a process of its own
   std::optional<std::filesystem::path> faults;  // relative to the rig file
   bool shadows = false;                         // cast by the specimen's relief
   Surroundings surroundings = Surroundings::kDark;
@@ -68,6 +81,7 @@ struct RigSpec {
   std::vector<LightSpec> lights;
   std::vector<SensorSpec> sensors;
   std::vector<TriggerSpec> triggers;
+  std::vector<HostSpec> hosts;
   std::vector<PatchSpec> patches;  // at most one a camera
   std::optional<TwinSpec> twin;
   std::string toml;  // the text it was read from

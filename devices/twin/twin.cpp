@@ -5,7 +5,7 @@
 
 #include "devices/config_file.h"
 #include "devices/twin/lit_scene.h"
-#include "devices/twin/settings.h"
+#include "devices/settings.h"
 #include "devices/twin/twin_devices.h"
 
 namespace patina::devices::twin {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "devices/twin/settings.h"
+#include "devices/settings.h"
 #include "devices/twin/troubles.h"
 #include "processing/image/random.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "devices/config_file.h"
-#include "devices/twin/settings.h"
+#include "devices/settings.h"
 #include "devices/twin/troubles.h"
 #include "processing/image/random.h"
 

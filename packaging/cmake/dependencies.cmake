@@ -63,10 +63,22 @@ patina_import(curl HEADER curl/curl.h SUFFIXES ${CMAKE_LIBRARY_ARCHITECTURE} LIB
 patina_import(mosquitto HEADER mosquitto.h LIBRARIES mosquitto)
 patina_import(microhttpd HEADER microhttpd.h LIBRARIES microhttpd)
 patina_import(muparser HEADER muParser.h LIBRARIES muparser)
+patina_import(gphoto2 HEADER gphoto2/gphoto2.h LIBRARIES gphoto2 gphoto2_port)
+patina_import(usb HEADER libusb.h SUFFIXES libusb-1.0 LIBRARIES usb-1.0)
+patina_import(hidapi HEADER hidapi.h SUFFIXES hidapi LIBRARIES hidapi-hidraw)
+patina_import(gpiod HEADER gpiod.h LIBRARIES gpiod)
+patina_import(camera HEADER libcamera/libcamera.h SUFFIXES libcamera LIBRARIES camera camera-base)
 patina_import(systemd HEADER systemd/sd-daemon.h LIBRARIES systemd)
 
 # gmock_main is an archive: a test that brings its own main() simply wins.
 patina_import(gtest HEADER gmock/gmock.h LIBRARIES gmock_main gmock gtest LINKS Threads::Threads)
 # Only a test's disk.
 patina_import(fuse HEADER fuse3/fuse.h LIBRARIES fuse3)
+# Simulated devices below the real libraries: only tests use it.
+patina_import(glib HEADER glib.h SUFFIXES glib-2.0 LIBRARIES glib-2.0 gobject-2.0 gio-2.0)
+find_path(PATINA_glibconfig_INCLUDE glibconfig.h PATHS /usr/lib
+          PATH_SUFFIXES ${CMAKE_LIBRARY_ARCHITECTURE}/glib-2.0/include REQUIRED)
+mark_as_advanced(PATINA_glibconfig_INCLUDE)
+target_include_directories(patina::glib SYSTEM INTERFACE ${PATINA_glibconfig_INCLUDE})
+patina_import(umockdev HEADER umockdev.h SUFFIXES umockdev-1.0 LIBRARIES umockdev LINKS patina::glib)
 patina_import(benchmark HEADER benchmark/benchmark.h LIBRARIES benchmark LINKS Threads::Threads)

@@ -19,12 +19,25 @@ void BM_TwinSurface(benchmark::State& state, const std::string& name) {
   for (auto _ : state) benchmark::DoNotOptimize(specimen->surfaceAt(++i % 997 / 997.0, size));
   state.SetItemsProcessed(state.iterations() * size.width * size.height);
 }
+CameraSpec& addCamera(RigSpec& spec) {
+  CameraSpec& camera = spec.cameras.emplace_back();
+  camera.id = "cam0";
+  camera.backend = "twin";
+  return camera;
+}
+LightSpec& addLight(RigSpec& spec, const std::string& id) {
+  LightSpec& light = spec.lights.emplace_back();
+  light.id = id;
+  light.backend = "twin";
+  return light;
+}
+
 // Every shot at another time of a week, one lamp lit.
 void BM_TwinShot(benchmark::State& state, const std::string& format) {
   const SizePx size{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
   RigSpec spec;
-  spec.cameras.push_back({"cam0", "twin", "", {{"format", format}}});
-  spec.lights.push_back({"key", "twin", "", {-250, 200, 380}, Between::kOn, {}});
+  addCamera(spec).settings = {{"format", format}};
+  addLight(spec, "key").position_mm = {-250, 200, 380};
   spec.twin = TwinSpec{};
   spec.twin->size = size;
   VirtualClock clock(UtcTime{});
@@ -57,15 +70,11 @@ BENCHMARK_CAPTURE(BM_TwinShot, jpeg, "jpeg")
 void BM_TwinSweep(benchmark::State& state, const std::string& specimen) {
   const int lights = static_cast<int>(state.range(0));
   RigSpec spec;
-  spec.cameras.push_back({"cam0", "twin", "", {}});
+  addCamera(spec);
   for (int i = 0; i < lights; ++i) {
     const double turn = 2 * M_PI * i / lights, height = 150 + 250.0 * (i % 3);
-    spec.lights.push_back({"l" + std::to_string(i),
-                           "twin",
-                           "",
-                           {300 * std::cos(turn), 300 * std::sin(turn), height},
-                           Between::kOff,
-                           {}});
+    addLight(spec, "l" + std::to_string(i)).position_mm = {300 * std::cos(turn),
+                                                           300 * std::sin(turn), height};
   }
   spec.twin = TwinSpec{};
   spec.twin->specimen = specimen;

@@ -27,7 +27,9 @@ struct Case {
     sweep.exposures[1].time = 100ms;
     plan.sweeps = {sweep};
     for (const char* id : {"cam0", "cam1"}) {
-      rig.cameras.push_back({id, "twin", "", {}});
+      devices::CameraSpec& camera = rig.cameras.emplace_back();
+      camera.id = id;
+      camera.backend = "twin";
       devices::CameraCaps caps;
       caps.id = id;
       caps.cycle = 1s;
@@ -130,7 +132,7 @@ TEST(Forecast, WarnsOfALightThatNothingWatches) {
   Case c;
   c.rig.patches.clear();
   EXPECT_THAT(c.run().warnings, Contains(HasSubstr("nothing watches the light state key")));
-  c.rig.sensors.push_back({"lux0", "twin", devices::Quantity::kIlluminance, {}, {}});
+  c.rig.sensors.emplace_back().id = "lux0";
   EXPECT_TRUE(c.run().warnings.empty());
 }
 

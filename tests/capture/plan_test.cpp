@@ -140,8 +140,8 @@ TEST(Plan, NamesALightThatTheRigDoesNotHave) {
   const Plan plan = parsePlan(kPlan, "week.toml");
   devices::RigSpec rig;
   rig.name = "bench";
-  rig.cameras.push_back({"cam0", "twin", "", {}});
-  rig.lights.push_back({});
+  rig.cameras.emplace_back().id = "cam0";
+  rig.lights.emplace_back();
   rig.lights.back().id = "key";
   try {
     checkAgainst(plan, rig);

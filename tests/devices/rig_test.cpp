@@ -86,6 +86,34 @@ TEST(Rig, GivesBackWhatItsFileSays) {
   EXPECT_EQ(rig.toml, kRig);
 }
 
+TEST(Rig, DevicesMayHangOnAnotherMachineOfTheRig) {
+  const std::string host = "[[host]]\nid = \"pi\"\naddress = \"pi.local:8461\"\nkey = \"pi.key\"\n";
+  const std::string light = "[[light]]\nid = \"key\"\nbackend = \"artnet\"\non = \"pi\"\n";
+  const RigSpec rig = parseRig(withCamera(light + host), "/lab/rig.toml");
+  EXPECT_EQ(rig.hosts.at(0).address, "pi.local:8461");
+  EXPECT_EQ(rig.hosts.at(0).key, "/lab/pi.key");
+  EXPECT_EQ(rig.lights.at(0).on, "pi");
+  EXPECT_THAT(errorOf(withCamera(light)), HasSubstr("\"pi\", which is no [[host]] of this rig"));
+  EXPECT_THAT(errorOf(withCamera("[[host]]\nid = \"pi\"\naddress = \"pi\"\nkey = \"k\"\n")),
+              HasSubstr("must be NAME:PORT"));
+}
+
+TEST(Rig, APowerSwitchAndAShutterLineNameDevicesOfTheRig) {
+  const RigSpec rig = parseRig(
+      withCamera("power = \"hub\"\ncall_limit = \"300ms\"\n[[trigger]]\nid = \"line\"\n"
+                 "backend = \"gpio\"\ncameras = [\"cam0\"]\nsettings = { pulse_ms = 80 }\n"),
+      "rig.toml");
+  EXPECT_EQ(rig.cameras[0].power, "hub");
+  EXPECT_EQ(rig.cameras[0].call_limit, std::chrono::milliseconds(300));
+  EXPECT_THAT(rig.triggers.at(0).cameras, ElementsAre("cam0"));
+  EXPECT_THAT(rig.triggers.at(0).settings, ElementsAre(Pair("pulse_ms", "80")));
+  EXPECT_THAT(errorOf(withCamera("power = \"plug\"\n")),
+              HasSubstr("neither \"hub\" nor a [[light]]"));
+  EXPECT_THAT(errorOf(withCamera("[[trigger]]\nid = \"line\"\nbackend = \"gpio\"\n"
+                                 "cameras = [\"cam9\"]\n")),
+              HasSubstr("fires \"cam9\""));
+}
+
 TEST(Rig, NeedsOnlyACamera) {
   const RigSpec rig = parseRig(withCamera(""), "/lab/kitchen.toml");
   EXPECT_EQ(rig.name, "kitchen");

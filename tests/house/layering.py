@@ -23,6 +23,7 @@ TABLE = {
     "devices": ["processing/image"],
     "devices/*": ["devices"],
     "devices/twin": ["devices", "processing/brdf", "processing/mesh"],
+    "devices/twin/dslr": ["devices/twin"],
     "db": ["processing/image"],
     "db/care": ["db"],
     "capture": ["devices", "db", "calibration"],
@@ -30,7 +31,7 @@ TABLE = {
     "capture/notify": ["capture"],
     "capture/workflow": ["db", "calibration", "processing/exchange"],
     "capture/app/http": ["devices"],
-    "capture/app": ["capture", "capture/doctor", "capture/notify", "capture/workflow", "db/care", "devices/*", "capture/app/http"],
+    "capture/app": ["capture", "capture/doctor", "capture/notify", "capture/workflow", "db/care", "devices/*", "devices/twin/dslr", "capture/app/http"],
 }
 TESTS = "tests"
 TOP = ["processing", "calibration", "devices", "db", "capture", TESTS]
@@ -44,7 +45,7 @@ CV_BRIDGE = "processing/image/cv_bridge.h"
 # Slow to compile, or with types that must not cross a room: only .cpp files include these.
 HEAVY = re.compile(
     r"^(opencv2/|sqlite3|gphoto2/|hdf5|H5|embree|libraw/|exiv2/|toml\+\+/|nlohmann/json\.hpp|CLI/|spdlog/|tiff|Imf|"
-    r"libav|libsw|muParser|openssl/|curl/|mosquitto)")
+    r"libav|libsw|muParser|openssl/|curl/|mosquitto|libusb|hidapi|gpiod|libcamera/|umockdev)")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">\n]+)[">]', re.MULTILINE)
 # Numbers come first, or the digit separator in 1'000 would open a character literal.
 COMMENT_OR_LITERAL = re.compile(

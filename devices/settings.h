@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The settings of a twin's device in the rig file, each checked. Private to the twin.
+// The settings of one device in the rig file, each checked by its backend.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "processing/image/units.h"
 
-namespace patina::devices::twin {
+namespace patina::devices {
 
 // Every take* marks its key as known; finish() throws for one that nobody took. All throw
 // ConfigError naming file, device, key and what is allowed.
@@ -37,4 +37,4 @@ class Settings {
   std::filesystem::path source_;
 };
 
-}  // namespace patina::devices::twin
+}  // namespace patina::devices

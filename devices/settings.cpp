@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "devices/twin/settings.h"
+#include "devices/settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "devices/config_file.h"
 
-namespace patina::devices::twin {
+namespace patina::devices {
 
 namespace {
 
@@ -101,4 +101,4 @@ void Settings::finish() const {
       reject(key, "unknown; there are: " + joined({known_.begin(), known_.end()}));
 }
 
-}  // namespace patina::devices::twin
+}  // namespace patina::devices

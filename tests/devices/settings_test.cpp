@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "devices/twin/settings.h"
+#include "devices/settings.h"
 
 #include <gtest/gtest.h>
 
 #include "devices/config_file.h"
 
-namespace patina::devices::twin {
+namespace patina::devices {
 namespace {
 
 using Values = std::map<std::string, std::string>;
@@ -53,4 +53,4 @@ TEST(Settings, NumbersWithTailsAndFractionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace patina::devices::twin
+}  // namespace patina::devices
