@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t kKnownMost = 16;  // files of a camera that has failed for long
 
+// 0x0: of any size, as long as none is known.
+bool fits(SizePx size, SizePx due) { return due == SizePx{} || size == due; }
+
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
 // What one decode gives.
@@ -23,7 +26,7 @@ struct Decoded {
   std::optional<calibration::PatchLevel> patch;
 };
 
-int bitsOf(double white_level) {
+int bitsBelow(double white_level) {
   int bits = 1;
   while (bits < 32 && static_cast<double>((1ull << bits) - 1) < white_level) ++bits;
   return bits;
@@ -39,7 +42,7 @@ Decoded decodeMosaic(std::span<const std::byte> file, std::optional<RectPx> patc
   Decoded d;
   d.raw = true;
   d.size = raw.samples.size();
-  d.bits = bitsOf(raw.white_level);
+  d.bits = bitsBelow(raw.white_level);
   const auto& samples = raw.samples.texels();
   const auto full = std::count_if(samples.begin(), samples.end(),
                                   [&](std::uint16_t v) { return v >= raw.white_level; });
@@ -87,6 +90,16 @@ const char* name(FrameFault fault) {
 FrameCheck::FrameCheck(const devices::CameraCaps& caps, std::optional<RectPx> patch)
     : caps_(caps), patch_(patch) {}
 
+SizePx FrameCheck::sizeOf(const devices::RawFrame& frame) const {
+  const auto learned = learned_.find(frame.file_index);
+  return caps_.size == SizePx{} && learned != learned_.end() ? learned->second.size : caps_.size;
+}
+
+int FrameCheck::bitsOf(const devices::RawFrame& frame) const {
+  const auto learned = learned_.find(frame.file_index);
+  return caps_.bits == 0 && learned != learned_.end() ? learned->second.bits : caps_.bits;
+}
+
 void FrameCheck::refuse(ShotCheck& out, FrameFault fault, std::string detail) const {
   if (out.fault != FrameFault::kNone) return;  // the first reason is the one to tell
   out.fault = fault;
@@ -104,6 +117,8 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
                            ShotCheck& out) const {
   const auto length = static_cast<std::int64_t>(frame.bytes.size());
   if (length == 0) return refuse(out, FrameFault::kLength, "an empty file");
+  if (frame.seen && !frame.seen->refused.empty())
+    return refuse(out, FrameFault::kDecode, frame.seen->refused);
   if (frame.declared_bytes && *frame.declared_bytes != length)
     return refuse(out, FrameFault::kLength,
                   "file of " + std::to_string(length) + " bytes, declared " +
@@ -114,34 +129,36 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
   const SeenFile* repeated = knownAs(seen);
 
   const bool first = frame.file_index == 0;
+  const SizePx due = sizeOf(frame);
   Decoded d;
   try {
     const PictureFormat format = sniffFormat(frame.bytes);
     const bool raw = format == PictureFormat::kDng || format == PictureFormat::kRaw;
     const auto patch = first ? patch_ : std::nullopt;
     // The size comes first: a patch measured on a picture of another size means nothing.
-    const SizePx claimed = raw ? caps_.size : readPictureHeader(frame.bytes).size;
-    if (!(claimed == caps_.size))
+    const SizePx claimed = raw ? due : readPictureHeader(frame.bytes).size;
+    if (!fits(claimed, due))
       return refuse(out, FrameFault::kWrongSize,
-                    "picture of " + text(claimed) + ", contract " + text(caps_.size));
+                    "picture of " + text(claimed) + ", contract " + text(due));
     d = raw ? decodeMosaic(frame.bytes, patch) : decodeDeveloped(frame.bytes, patch);
   } catch (const ProcessingError& error) {
     return refuse(out, FrameFault::kDecode, error.what());
   } catch (const calibration::CalibrationError& error) {
     return refuse(out, FrameFault::kWrongSize, error.what());
   }
-  if (!(d.size == caps_.size))
+  if (!fits(d.size, due))
     return refuse(out, FrameFault::kWrongSize,
-                  "picture of " + text(d.size) + ", contract " + text(caps_.size));
-  if (first && d.bits != caps_.bits)
+                  "picture of " + text(d.size) + ", contract " + text(due));
+  if (const int bits = bitsOf(frame); first && bits != 0 && d.bits != bits)
     return refuse(
         out, FrameFault::kWrongSize,
-        "samples of " + std::to_string(d.bits) + " bits, contract " + std::to_string(caps_.bits));
+        "samples of " + std::to_string(d.bits) + " bits, contract " + std::to_string(bits));
   // Two developed pictures of the dark may be equal, if neither was to show anything. Raw ones have
   // noise, and a real camera's its time and counters.
   if (repeated && (d.raw || seen.lit || repeated->lit) && !d.all_equal)
     return refuse(out, FrameFault::kDuplicate, "the previous picture came again as a new one");
   checked.size = d.size;
+  checked.bits = d.bits;
   checked.saturated_fraction = d.saturated_fraction;
   out.frames.push_back(checked);
   if (!first) return;
@@ -192,7 +209,11 @@ ShotCheck FrameCheck::check(const std::vector<devices::RawFrame>& frames,
 }
 
 void FrameCheck::remember(const ShotCheck& seen) {
-  if (seen.fault == FrameFault::kNone) known_.clear();
+  if (seen.fault == FrameFault::kNone) {
+    known_.clear();
+    for (const CheckedFrame& frame : seen.frames)
+      learned_.try_emplace(frame.frame->file_index, Learned{frame.size, frame.bits});
+  }
   for (const SeenFile& file : seen.came) {
     if (knownAs(file)) continue;
     // The good picture stays: its files are the oldest.

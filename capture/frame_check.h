@@ -4,6 +4,7 @@
 // on the mosaic, without interpolation.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,7 @@ struct CheckedFrame {
   const devices::RawFrame* frame = nullptr;
   Sha256 sha256;
   SizePx size;
+  int bits = 0;
   double saturated_fraction = 0;
 };
 // A file as it came, good or not: all that is needed to know it again.
@@ -64,12 +66,20 @@ class FrameCheck {
 
  private:
   void checkFile(const devices::RawFrame& frame, const SeenFile& seen, ShotCheck& out) const;
+  // What the contract says of a file, or the first good shot where it does not.
+  SizePx sizeOf(const devices::RawFrame& frame) const;
+  int bitsOf(const devices::RawFrame& frame) const;
   const SeenFile* knownAs(const SeenFile& seen) const;
   void refuse(ShotCheck& out, FrameFault fault, std::string detail) const;
 
   const devices::CameraCaps& caps_;
   std::optional<RectPx> patch_;
   std::vector<SeenFile> known_;  // oldest first
+  struct Learned {
+    SizePx size;
+    int bits = 0;
+  };
+  std::map<int, Learned> learned_;  // by file_index
 };
 
 }  // namespace patina::capture

@@ -78,6 +78,16 @@ LightSpec takeLight(ConfigTable& table, Ids& ids) {
   return light;
 }
 
+LightSpec takePower(ConfigTable& table, Ids& ids) {
+  LightSpec power;
+  power.id = ids.take(table);
+  power.backend = table.takeId("backend");
+  power.address = table.takeString("address", "");
+  power.settings = takeSettings(table);
+  table.finish();
+  return power;
+}
+
 SensorSpec takeSensor(ConfigTable& table, Ids& ids) {
   SensorSpec sensor;
   sensor.id = ids.take(table);
@@ -196,9 +206,9 @@ void checkNames(const ConfigTable& table, const RigSpec& rig) {
     return std::any_of(devices.begin(), devices.end(), [&](const auto& d) { return d.id == id; });
   };
   for (const CameraSpec& camera : rig.cameras)
-    if (!camera.power.empty() && camera.power != "hub" && !known(rig.lights, camera.power))
+    if (!camera.power.empty() && camera.power != "hub" && !known(rig.powers, camera.power))
       table.reject(camera.id,
-                   "is powered by \"" + camera.power + "\": neither \"hub\" nor a [[light]]");
+                   "is powered by \"" + camera.power + "\": neither \"hub\" nor a [[power]]");
   for (const TriggerSpec& trigger : rig.triggers)
     for (const std::string& camera : trigger.cameras)
       if (!known(rig.cameras, camera))
@@ -261,6 +271,7 @@ RigSpec parseRig(const std::string& toml, const std::filesystem::path& source) {
   for (ConfigTable& t : table.takeTables("light")) rig.lights.push_back(takeLight(t, ids));
   for (ConfigTable& t : table.takeTables("sensor")) rig.sensors.push_back(takeSensor(t, ids));
   for (ConfigTable& t : table.takeTables("trigger")) rig.triggers.push_back(takeTrigger(t, ids));
+  for (ConfigTable& t : table.takeTables("power")) rig.powers.push_back(takePower(t, ids));
   for (ConfigTable& t : table.takeTables("host")) rig.hosts.push_back(takeHost(t, ids));
   if (auto twin = table.takeTable("twin")) rig.twin = takeTwin(*twin);
   for (ConfigTable& t : table.takeTables("patch")) rig.patches.push_back(takePatch(t, rig));

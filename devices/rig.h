@@ -23,7 +23,7 @@ struct CameraSpec {
   std::string id, backend, serial;
   std::string on;  // the [[host]] whose machine it hangs on; empty: this one
   Nanoseconds call_limit = std::chrono::seconds(10);  // of a call that has no deadline of its own
-  std::string power;  // what a power cycle switches: "hub", or the id of a light (a relay)
+  std::string power;  // what a power cycle switches: "hub", or the id of a [[power]]
   std::map<std::string, std::string> settings;  // backend's own, checked by the backend
 };
 struct LightSpec {
@@ -81,6 +81,7 @@ struct RigSpec {
   std::vector<LightSpec> lights;
   std::vector<SensorSpec> sensors;
   std::vector<TriggerSpec> triggers;
+  std::vector<LightSpec> powers;  // [[power]]: relays that are no lamps, of a light's backend
   std::vector<HostSpec> hosts;
   std::vector<PatchSpec> patches;  // at most one a camera
   std::optional<TwinSpec> twin;

@@ -81,7 +81,7 @@ class Flood {
     to.sin_family = AF_INET;
     to.sin_port = htons(static_cast<std::uint16_t>(port_));
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    std::vector<http::Descriptor> all;
+    std::vector<devices::Descriptor> all;
     for (int i = 0; i < kCrowd; ++i) {
       all.emplace_back(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
       const linger reset{1, 0};

@@ -76,6 +76,31 @@ TEST(FrameCheck, MeasuresARawPictureOnItsMosaic) {
   EXPECT_EQ(b.check({frameOf(encodeDng(raw))}).fault, FrameFault::kWrongSize);
 }
 
+TEST(FrameCheck, LearnsTheSizeOfEachFileFromTheFirstGoodShot) {
+  Bench b;
+  b.caps.size = {};
+  b.caps.bits = 0;
+  FrameCheck frames(b.caps, RectPx{0, 0, 16, 16});
+  const auto judge = [&](SizePx size, std::uint64_t seed) {
+    b.kept = {frameOf(encodeJpeg(picture(size, seed).view()))};
+    const ShotCheck c = frames.check(b.kept, b.ticket, true);
+    frames.remember(c);
+    return c.fault;
+  };
+  EXPECT_EQ(judge({80, 60}, 1), FrameFault::kNone);
+  EXPECT_EQ(judge({64, 48}, 2), FrameFault::kWrongSize);
+  EXPECT_EQ(judge({80, 60}, 3), FrameFault::kNone);
+}
+
+TEST(FrameCheck, LeavesAFileAloneThatItsDriversProcessDidNotSurvive) {
+  Bench b;
+  devices::RawFrame frame = b.jpeg();
+  frame.seen = devices::Seen{"its decoder did not end", {}, 0, {}};
+  const ShotCheck c = b.check({frame});
+  EXPECT_EQ(c.fault, FrameFault::kDecode);
+  EXPECT_THAT(c.detail, HasSubstr("did not end"));
+}
+
 TEST(FrameCheck, RefusesFilesCutShortAtAnyPlace) {
   Bench b;
   const devices::RawFrame whole = b.jpeg();

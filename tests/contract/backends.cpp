@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/contract/backends.h"
 
+#include <cstdlib>
+
+#include "capture/app/rig/host_devices.h"
 #include "devices/fault/faulty_devices.h"
 #include "devices/twin/twin.h"
 #include "tests/contract/stub_devices.h"
@@ -42,6 +45,20 @@ RigUnderTest makeTwin(const std::string& format) {
   return made;
 }
 
+// The whole twin in a process of its own, which is told the time.
+RigUnderTest makeHostedTwin() {
+  RigUnderTest made{std::make_unique<VirtualClock>(kStart), {}};
+  std::string toml = kTwinRig;
+  toml.replace(toml.find("FORMAT"), 6, "dng");
+  toml += "hosted = true\n";
+  rig::World world;
+  world.duration = 24h;
+  world.start_utc = kStart;
+  made.rig = rig::openHosted(parseRig(toml, "twin.toml"), world, *made.clock,
+                             {std::getenv("PATINA_PROGRAM"), "device-host"});
+  return made;
+}
+
 }  // namespace
 
 RigUnderTest makeWithFaults(const Backend& backend, const FaultPlan& plan) {
@@ -58,6 +75,7 @@ std::vector<Backend> bareBackends() {
 
 std::vector<Backend> bareAndWrappedBackends() {
   std::vector<Backend> all = bareBackends();
+  all.push_back({"HostedTwin", makeHostedTwin});
   FaultPlan far;
   for (const char* device : {"cam0", "key", "lux0"}) {
     for (const FaultKind kind : {FaultKind::kLost, FaultKind::kHang, FaultKind::kStaleFrame}) {

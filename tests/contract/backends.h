@@ -29,8 +29,9 @@ struct Backend {
 
 inline void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
 
+// In this process: cheap enough for thousands of shots.
 std::vector<Backend> bareBackends();
-// Each bare one, and each again in decorators whose faults lie years ahead.
+// Each bare one, a hosted one, and each again in decorators whose faults lie years ahead.
 std::vector<Backend> bareAndWrappedBackends();
 // One rig of `backend` whose every device has the faults of `plan` that name it, from now on.
 RigUnderTest makeWithFaults(const Backend& backend, const devices::FaultPlan& plan);

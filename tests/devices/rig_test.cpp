@@ -104,11 +104,16 @@ TEST(Rig, APowerSwitchAndAShutterLineNameDevicesOfTheRig) {
                  "backend = \"gpio\"\ncameras = [\"cam0\"]\nsettings = { pulse_ms = 80 }\n"),
       "rig.toml");
   EXPECT_EQ(rig.cameras[0].power, "hub");
+  const RigSpec plug = parseRig(withCamera("power = \"plug\"\n[[power]]\nid = \"plug\"\n"
+                                           "backend = \"serial\"\naddress = \"/dev/ttyUSB0\"\n"),
+                                "rig.toml");
+  EXPECT_EQ(plug.powers.at(0).address, "/dev/ttyUSB0");
+  EXPECT_TRUE(plug.lights.empty());
   EXPECT_EQ(rig.cameras[0].call_limit, std::chrono::milliseconds(300));
   EXPECT_THAT(rig.triggers.at(0).cameras, ElementsAre("cam0"));
   EXPECT_THAT(rig.triggers.at(0).settings, ElementsAre(Pair("pulse_ms", "80")));
   EXPECT_THAT(errorOf(withCamera("power = \"plug\"\n")),
-              HasSubstr("neither \"hub\" nor a [[light]]"));
+              HasSubstr("neither \"hub\" nor a [[power]]"));
   EXPECT_THAT(errorOf(withCamera("[[trigger]]\nid = \"line\"\nbackend = \"gpio\"\n"
                                  "cameras = [\"cam9\"]\n")),
               HasSubstr("fires \"cam9\""));

@@ -3,23 +3,17 @@
 
 #include <algorithm>
 
-#include "processing/image/encoding.h"
 #include "processing/image/picture_file.h"
-#include "processing/image/warp.h"
+#include "processing/image/thumbnail.h"
 
 namespace patina::daemon {
 namespace {
 
 constexpr std::size_t kKeptBytesMax = 8 << 20;
-constexpr int kQuality = 82;
 constexpr PictureLimits kLimits{100'000'000, 1'300'000'000};
 
 std::string encode(const Bytes& file, int width_px) {
-  const Picture picture = decodePicture(file, kLimits);
-  SizePx size = fitInside(picture.linear.size(), {width_px, width_px});
-  if (size.width > picture.linear.width()) size = picture.linear.size();
-  const Bytes jpeg =
-      encodeJpeg(encodeSrgb8(resizeArea(picture.linear.view(), size).view()).view(), kQuality);
+  const Bytes jpeg = thumbnailJpeg(decodePicture(file, kLimits), width_px);
   return {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()};
 }
 

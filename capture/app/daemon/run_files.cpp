@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "capture/app/rig/host_devices.h"
 #include "devices/fault/faulty_devices.h"
-#include "devices/twin/twin.h"
 
 namespace patina::daemon {
 namespace {
@@ -14,19 +14,6 @@ void takeFaults(RunFiles& files) {
   if (files.rig.twin && files.rig.twin->faults)
     files.faults = devices::readFaults(*files.rig.twin->faults);
   devices::checkAgainst(files.faults, files.rig);
-}
-
-void requireBackends(const devices::RigSpec& rig) {
-  const auto require = [](const std::string& device, const std::string& backend) {
-    if (backend != "twin")
-      throw capture::CaptureError(Exit::kUnavailable,
-                                  device + " asks for the backend '" + backend +
-                                      "'; this build has: twin (the simulated rig)");
-  };
-  for (const auto& camera : rig.cameras) require(camera.id, camera.backend);
-  for (const auto& light : rig.lights) require(light.id, light.backend);
-  for (const auto& sensor : rig.sensors) require(sensor.id, sensor.backend);
-  for (const auto& trigger : rig.triggers) require(trigger.id, trigger.backend);
 }
 
 }  // namespace
@@ -78,13 +65,12 @@ std::vector<std::string> claimsOf(const RunFiles& files) {
 }
 
 devices::Rig openRig(const RunFiles& files, const capture::RunStart& start, devices::Clock& clock) {
-  requireBackends(files.rig);
-  devices::twin::TwinOptions options;
-  options.seed = files.plan.seed;
-  options.duration = files.plan.duration;
-  options.start_utc = start.t0_utc;
-  options.faults = files.faults;
-  devices::Rig rig = devices::twin::makeTwinRig(files.rig, options, clock);
+  rig::World world;
+  world.seed = files.plan.seed;
+  world.duration = files.plan.duration;
+  world.start_utc = start.t0_utc;
+  world.faults = files.faults;
+  devices::Rig rig = rig::openHosted(files.rig, world, clock);
   if (files.faults.faults.empty()) return rig;
   const MonoTime began = clock.mono() - (clock.utc() - start.t0_utc);
   return devices::withFaults(std::move(rig), files.faults, began, clock);

@@ -96,20 +96,20 @@ Answer AnswerMaker::fromBody(Response response) const {
 
 // The kernel itself refuses "..", links and mounts' tricks on the way: whatever a handler has made
 // of a request, nothing outside the archive is opened.
-Descriptor AnswerMaker::openBeneath(const std::filesystem::path& file) const {
+devices::Descriptor AnswerMaker::openBeneath(const std::filesystem::path& file) const {
   const std::filesystem::path beneath = file.lexically_relative(archive_);
   const bool is_named_whole = !beneath.empty() && *beneath.begin() != "..";
   const std::filesystem::path& inside = is_named_whole ? beneath : file;
   open_how how{};
   how.flags = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
   how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
-  return Descriptor(
+  return devices::Descriptor(
       static_cast<int>(syscall(SYS_openat2, root_.fd(), inside.c_str(), &how, sizeof how)));
 }
 
 Answer AnswerMaker::fromFile(const Admission& admission, Response response) const {
   if (root_.fd() < 0) return fromBody(storeError());
-  Descriptor file = openBeneath(response.file);
+  devices::Descriptor file = openBeneath(response.file);
   struct stat facts {};
   if (file.fd() < 0 && errno == ENOENT)
     return fromBody(errorResponse(404, Exit::kUnavailable, "the file is not in the archive"));

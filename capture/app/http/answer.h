@@ -8,9 +8,9 @@
 #include <string>
 
 #include "capture/app/http/byte_budget.h"
-#include "capture/app/http/descriptor.h"
 #include "capture/app/http/gate.h"
 #include "capture/app/http/messages.h"
+#include "devices/descriptor.h"
 
 struct MHD_Response;
 
@@ -37,10 +37,10 @@ class AnswerMaker {
  private:
   Answer fromBody(Response response) const;
   Answer fromFile(const Admission& admission, Response response) const;
-  Descriptor openBeneath(const std::filesystem::path& file) const;
+  devices::Descriptor openBeneath(const std::filesystem::path& file) const;
 
   std::filesystem::path archive_;
-  Descriptor root_;  // -1: no files
+  devices::Descriptor root_;  // -1: no files
   ByteBudget& budget_;
 };
 

@@ -93,7 +93,7 @@ void closeStream(void* cls) {
 
 class Listener::Impl {
  public:
-  Impl(Descriptor socket, ListenerOptions options, const Desk& desk)
+  Impl(devices::Descriptor socket, ListenerOptions options, const Desk& desk)
       : options_(std::move(options)), desk_(desk) {
     std::vector<MHD_OptionItem> items = {
         {MHD_OPTION_LISTEN_SOCKET, socket.fd(), nullptr},
@@ -276,7 +276,7 @@ class Listener::Impl {
   MHD_Daemon* daemon_ = nullptr;
 };
 
-Listener::Listener(Descriptor socket, ListenerOptions options, const Desk& desk)
+Listener::Listener(devices::Descriptor socket, ListenerOptions options, const Desk& desk)
     : impl_(std::make_unique<Impl>(std::move(socket), std::move(options), desk)) {}
 
 Listener::~Listener() = default;

@@ -9,13 +9,13 @@
 
 #include "capture/app/http/answer.h"
 #include "capture/app/http/connections.h"
-#include "capture/app/http/descriptor.h"
 #include "capture/app/http/event_broker.h"
 #include "capture/app/http/gate.h"
 #include "capture/app/http/metrics.h"
 #include "capture/app/http/server.h"
 #include "capture/app/http/worker_pool.h"
 #include "devices/clock.h"
+#include "devices/descriptor.h"
 
 namespace patina::http {
 
@@ -42,7 +42,7 @@ struct ListenerOptions {
 class Listener {
  public:
   // HttpError(kUnavailable) when libmicrohttpd cannot start.
-  Listener(Descriptor socket, ListenerOptions options, const Desk& desk);
+  Listener(devices::Descriptor socket, ListenerOptions options, const Desk& desk);
   // The workers and the broker must have stopped: nothing may rest any more.
   ~Listener();
   Listener(const Listener&) = delete;

@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "capture/app/http/descriptor.h"
 #include "capture/app/http/messages.h"
+#include "devices/descriptor.h"
 
 namespace patina::http {
 namespace {
@@ -23,7 +23,7 @@ namespace {
 // Nobody of `closed_to` (bits of a mode) may be let in by the file's own.
 std::optional<std::string> readFile(const std::filesystem::path& file, int flags, mode_t closed_to,
                                     std::size_t bytes_max) {
-  const Descriptor in(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags));
+  const devices::Descriptor in(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags));
   if (in.fd() < 0 && errno == ENOENT) return std::nullopt;
   if (in.fd() < 0)
     throw HttpError(Exit::kPermission, file.string() + ": cannot be read: " + std::strerror(errno));
@@ -61,7 +61,7 @@ void writePrivateFile(const std::filesystem::path& file, const std::string& text
   const std::filesystem::path unfinished = file.string() + ".new";
   unlink(unfinished.c_str());  // of a start that died
   {
-    const Descriptor out(
+    const devices::Descriptor out(
         open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
     if (out.fd() < 0) failWrite(file);
     std::size_t done = 0;

@@ -215,7 +215,7 @@ class Server::Impl {
   Metrics& metrics_;
   Counter& late_ = metrics_.counter("patina_http_late_total");  // from the first scrape on
   Credentials credentials_;
-  Descriptor tcp_, unix_;
+  devices::Descriptor tcp_, unix_;
   int port_ = 0;
   std::string certificate_, key_;
   Connections connections_;

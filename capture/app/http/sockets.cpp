@@ -45,7 +45,7 @@ void removeStaleSocket(const std::filesystem::path& path, const sockaddr_un& add
   if (!S_ISSOCK(facts.st_mode))
     throw HttpError(Exit::kCannotCreate,
                     path.string() + ": is in the way and no socket: remove it");
-  const Descriptor probe(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const devices::Descriptor probe(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const bool answers = connect(probe.fd(), generic(address), sizeof address) == 0;
   if (answers || errno == EAGAIN)
     throw HttpError(Exit::kTemporary,
@@ -82,11 +82,11 @@ sockaddr_storage addressOf(int fd, decltype(&getpeername) ask) {
 
 }  // namespace
 
-Descriptor listenOnUnix(const std::filesystem::path& path, std::optional<gid_t> group) {
+devices::Descriptor listenOnUnix(const std::filesystem::path& path, std::optional<gid_t> group) {
   constexpr mode_t kMode = 0660;
   const sockaddr_un address = unixAddress(path);
   removeStaleSocket(path, address);
-  Descriptor listener(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  devices::Descriptor listener(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (listener.fd() < 0) fail(Exit::kTemporary, "no socket", errno);
   // Before it has a name, so that it is never open to more than it should be; then again, for what
   // the umask took away.
@@ -100,9 +100,9 @@ Descriptor listenOnUnix(const std::filesystem::path& path, std::optional<gid_t> 
   return listener;
 }
 
-Descriptor listenOnTcp(const std::string& address, int port) {
+devices::Descriptor listenOnTcp(const std::string& address, int port) {
   const Resolved resolved = resolve(address, port);
-  Descriptor listener(
+  devices::Descriptor listener(
       socket(resolved.address.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (listener.fd() < 0) fail(Exit::kTemporary, "no socket", errno);
   const int on = 1;
@@ -116,7 +116,7 @@ Descriptor listenOnTcp(const std::string& address, int port) {
   return listener;
 }
 
-int portOf(const Descriptor& socket) {
+int portOf(const devices::Descriptor& socket) {
   const sockaddr_storage address = addressOf(socket.fd(), &getsockname);
   // The port lies at the same place in both families.
   return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);

@@ -8,17 +8,17 @@
 #include <optional>
 #include <string>
 
-#include "capture/app/http/descriptor.h"
 #include "capture/app/http/messages.h"
+#include "devices/descriptor.h"
 
 namespace patina::http {
 
 // Mode 0660, of `group` when one is given. A socket that nobody listens on any more is taken over;
 // one that somebody does is HttpError(kTemporary). The folder must be there.
-Descriptor listenOnUnix(const std::filesystem::path& path, std::optional<gid_t> group);
+devices::Descriptor listenOnUnix(const std::filesystem::path& path, std::optional<gid_t> group);
 // `address` in numbers, IPv4 or IPv6. Port 0 takes any free one.
-Descriptor listenOnTcp(const std::string& address, int port);
-int portOf(const Descriptor& socket);
+devices::Descriptor listenOnTcp(const std::string& address, int port);
+int portOf(const devices::Descriptor& socket);
 
 bool isLoopback(const std::string& address);  // in numbers: 127.x.y.z or ::1
 // Outside the loopback a listener needs a token that somebody holds, and a line nobody reads:

@@ -11,6 +11,7 @@ void addPlanVerbs(Verb root);
 void addRehearseVerb(Verb root);
 void addCaptureVerb(Verb root);
 void addDaemonVerb(Verb root);
+void addDeviceHostVerb(Verb root);
 void addRunVerbs(Verb root);
 void addImportVerb(Verb root);
 void addArchiveVerbs(Verb root);

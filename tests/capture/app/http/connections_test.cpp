@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "capture/app/http/descriptor.h"
+#include "devices/descriptor.h"
 
 namespace patina::http {
 namespace {
@@ -15,14 +15,14 @@ struct Pair {
   Pair() {
     std::array<int, 2> ends{};
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
-    ours = Descriptor(ends[0]);
-    theirs = Descriptor(ends[1]);
+    ours = devices::Descriptor(ends[0]);
+    theirs = devices::Descriptor(ends[1]);
   }
   bool isShut() const {
     char byte = 0;
     return recv(theirs.fd(), &byte, 1, MSG_DONTWAIT) == 0;
   }
-  Descriptor ours, theirs;
+  devices::Descriptor ours, theirs;
 };
 
 Connection connection(const Pair& pair, MonoTime deadline) {
@@ -58,7 +58,7 @@ TEST(Connections, KeepsAStreamUntilItsPeerHangsUp) {
   Connection* const stream = connections.add(connection(pair, monoFromNs(100)));
   connections.markStream(stream);
   EXPECT_EQ(connections.shutLate(MonoTime::max() - Nanoseconds(1)).streams, 0u);
-  pair.theirs = Descriptor();
+  pair.theirs = devices::Descriptor();
   EXPECT_EQ(connections.shutLate(monoFromNs(1)).streams, 1u);
 }
 

@@ -233,7 +233,7 @@ TEST(Listener, StaysSmallAndServesTheUnixSocketUnderTenThousandConnections) {
   address.sin_port = htons(static_cast<std::uint16_t>(served.server->port()));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   const Growth growth;
-  std::vector<Descriptor> flood;
+  std::vector<devices::Descriptor> flood;
   for (int i = 0; i < 10'000; ++i) {
     flood.emplace_back(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     connect(flood.back().fd(), reinterpret_cast<sockaddr*>(&address), sizeof address);

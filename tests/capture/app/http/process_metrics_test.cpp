@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "capture/app/http/descriptor.h"
 #include "capture/app/http/metrics.h"
+#include "devices/descriptor.h"
 
 namespace patina::http {
 namespace {
@@ -25,7 +25,7 @@ TEST(CollectProcess, SeesEveryDescriptor) {
   Metrics metrics;
   collectProcess(metrics);
   const double before = metrics.gauge("process_open_fds").value();
-  std::vector<Descriptor> more;
+  std::vector<devices::Descriptor> more;
   for (int i = 0; i < 5; ++i) more.emplace_back(dup(STDERR_FILENO));
   collectProcess(metrics);
   EXPECT_EQ(metrics.gauge("process_open_fds").value(), before + 5);

@@ -23,7 +23,7 @@ Exit exitOf(const std::function<void()>& call) {
 
 TEST(ListenOnUnix, IsOpenToOwnerAndGroupAlone) {
   const auto folder = testing::TempFolder::inMemory();
-  const Descriptor listener = listenOnUnix(folder / "s", getegid());
+  const devices::Descriptor listener = listenOnUnix(folder / "s", getegid());
   struct stat facts {};
   ASSERT_EQ(stat((folder / "s").c_str(), &facts), 0);
   EXPECT_EQ(facts.st_mode & 0777, 0660u);
@@ -31,8 +31,8 @@ TEST(ListenOnUnix, IsOpenToOwnerAndGroupAlone) {
 
 TEST(ListenOnUnix, TakesOverASocketOfADeadDaemonAndNotOfALivingOne) {
   const auto folder = testing::TempFolder::inMemory();
-  { const Descriptor dead = listenOnUnix(folder / "s", {}); }
-  const Descriptor living = listenOnUnix(folder / "s", {});
+  { const devices::Descriptor dead = listenOnUnix(folder / "s", {}); }
+  const devices::Descriptor living = listenOnUnix(folder / "s", {});
   EXPECT_EQ(exitOf([&] { listenOnUnix(folder / "s", {}); }), Exit::kTemporary);
 }
 
@@ -48,7 +48,7 @@ TEST(ListenOnUnix, SaysThatAPathIsTooLong) {
 }
 
 TEST(ListenOnTcp, RefusesANameAndAPortThatIsTaken) {
-  const Descriptor listener = listenOnTcp("127.0.0.1", 0);
+  const devices::Descriptor listener = listenOnTcp("127.0.0.1", 0);
   EXPECT_GT(portOf(listener), 0);
   EXPECT_EQ(exitOf([&] { listenOnTcp("127.0.0.1", portOf(listener)); }), Exit::kUnavailable);
   EXPECT_EQ(exitOf([] { listenOnTcp("localhost", 0); }), Exit::kConfig);
@@ -77,9 +77,9 @@ TEST(CheckExposure, WantsATokenAndAPrivateLineOutsideTheLoopback) {
 
 TEST(RoleOfPeer, IsAdminForOurOwnUser) {
   const auto folder = testing::TempFolder::inMemory();
-  const Descriptor listener = listenOnUnix(folder / "s", {});
+  const devices::Descriptor listener = listenOnUnix(folder / "s", {});
   const Wire client = Wire::local(folder / "s");
-  const Descriptor accepted(accept(listener.fd(), nullptr, nullptr));
+  const devices::Descriptor accepted(accept(listener.fd(), nullptr, nullptr));
   EXPECT_EQ(roleOfPeer(accepted.fd(), Role::kPublic), Role::kAdmin);
   EXPECT_EQ(peerName(accepted.fd()), "unix");
 }
@@ -87,21 +87,21 @@ TEST(RoleOfPeer, IsAdminForOurOwnUser) {
 TEST(RoleOfPeer, IsWhatOthersAreForAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   const auto folder = testing::TempFolder::inMemory();
-  const Descriptor listener = listenOnUnix(folder / "s", {});
+  const devices::Descriptor listener = listenOnUnix(folder / "s", {});
   std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
   ASSERT_EQ(chmod((folder / "s").c_str(), 0777), 0);
   ASSERT_EQ(seteuid(65534), 0);  // the credentials of the moment of connect() count
   const Wire client = Wire::local(folder / "s");
   ASSERT_EQ(seteuid(0), 0);
-  const Descriptor accepted(accept(listener.fd(), nullptr, nullptr));
+  const devices::Descriptor accepted(accept(listener.fd(), nullptr, nullptr));
   EXPECT_EQ(roleOfPeer(accepted.fd(), Role::kPublic), Role::kPublic);
   EXPECT_EQ(roleOfPeer(accepted.fd(), Role::kViewer), Role::kViewer);
 }
 
 TEST(PeerName, IsTheAddressWithoutThePort) {
-  const Descriptor listener = listenOnTcp("127.0.0.1", 0);
+  const devices::Descriptor listener = listenOnTcp("127.0.0.1", 0);
   const Wire client = Wire::tcp(portOf(listener), "127.0.0.9");
-  const Descriptor accepted(accept(listener.fd(), nullptr, nullptr));
+  const devices::Descriptor accepted(accept(listener.fd(), nullptr, nullptr));
   EXPECT_EQ(peerName(accepted.fd()), "127.0.0.9");
 }
 

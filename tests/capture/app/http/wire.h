@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "capture/app/http/descriptor.h"
+#include "devices/descriptor.h"
 
 namespace patina::http {
 
@@ -28,13 +28,13 @@ class Wire {
   std::string line();                                  // the next one, empty at the end
   bool ended();  // waits for the end, throws away what comes before it
   WireReply ask(const std::string& request, const std::string& method = "GET");
-  void hangUp() { socket_ = Descriptor(); }
+  void hangUp() { socket_ = devices::Descriptor(); }
   int fd() const { return socket_.fd(); }
 
  private:
-  explicit Wire(Descriptor socket) : socket_(std::move(socket)) {}
+  explicit Wire(devices::Descriptor socket) : socket_(std::move(socket)) {}
   bool fill();
-  Descriptor socket_;
+  devices::Descriptor socket_;
   std::string buffer_;
 };
 

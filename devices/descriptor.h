@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace patina::http {
+namespace patina::devices {
 
 // Owns a file descriptor; -1 owns none.
 class Descriptor {
@@ -26,4 +26,4 @@ class Descriptor {
   int fd_;
 };
 
-}  // namespace patina::http
+}  // namespace patina::devices

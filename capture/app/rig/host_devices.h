@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Puts the real devices of a rig into processes of their own, here or on other machines.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/app/rig/make_devices.h"
+#include "devices/host/server.h"
+
+namespace patina::rig {
+
+// The devices of a hello: what `patina device-host` serves.
+devices::Rig makeHosted(const devices::host::Hello& hello, devices::Clock& clock);
+
+// Twin devices live in this process, unless the rig says hosted; every camera, sensor and shutter
+// line has a process of its own; lamps share one where backend and address are the same.
+// `command` starts such a process; empty: this program's `device-host`. The clock outlives the rig.
+devices::Rig openHosted(const devices::RigSpec& spec, const World& world, devices::Clock& clock,
+                        const std::vector<std::string>& command = {});
+
+}  // namespace patina::rig

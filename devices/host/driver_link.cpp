@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "devices/host/driver_link.h"
+
+#include <algorithm>
+
+#include "devices/host/dial.h"
+#include "devices/host/seal.h"
+#include "processing/image/failure.h"
+
+namespace patina::devices::host {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kStartsAtOnce = 3;
+constexpr Nanoseconds kStartDistanceMax = 60s;
+// Four beats: a process that is stopped, or a machine that is gone, is not waited for.
+constexpr Nanoseconds kSilenceMax = 2s;
+
+Nanoseconds distance(int starts) {
+  if (starts < kStartsAtOnce) return {};
+  return std::min<Nanoseconds>(1s * (1 << std::min(starts - kStartsAtOnce, 6)), kStartDistanceMax);
+}
+
+}  // namespace
+
+DriverLink::DriverLink(LinkOptions options, Clock& clock)
+    : options_(std::move(options)), clock_(clock) {}
+
+DriverLink::~DriverLink() { stop(); }
+
+Error DriverLink::named(Error error) const {
+  error.what = options_.name + ": " + error.what;
+  return error;
+}
+
+void DriverLink::drop(bool by_force) {
+  if (by_force && process_) process_->kill();
+  channel_.reset();  // the process sees it and closes its devices
+  process_.reset();
+  running_ = false;
+}
+
+void DriverLink::stop() {
+  const std::lock_guard lock(mutex_);
+  drop(false);
+}
+
+Result<void> DriverLink::start() {
+  const std::lock_guard lock(mutex_);
+  if (running_) return {};
+  const MonoTime now = real_.mono();
+  const Nanoseconds wait = last_start_ + distance(starts_) - now;
+  if (starts_ > 0 && wait > 0ns) {
+    const auto whole = std::chrono::ceil<std::chrono::seconds>(wait);
+    return tl::make_unexpected(
+        named({Errc::kLost, "started " + std::to_string(starts_) + " times for nothing; again in " +
+                                formatDuration(whole)}));
+  }
+  last_start_ = now;
+  ++starts_;
+  ++start_count_;
+  auto greeted = connect();
+  if (greeted) greeted = greet(now + options_.start_limit);
+  if (!greeted) {
+    drop(true);
+    return tl::make_unexpected(named(greeted.error()));
+  }
+  running_ = true;
+  return {};
+}
+
+Result<void> DriverLink::connect() {
+  if (options_.remote) {
+    auto stream = dial(options_.remote->address, real_.mono() + options_.start_limit);
+    if (!stream) return tl::make_unexpected(stream.error());
+    channel_ = std::make_unique<Channel>(std::move(*stream));
+    try {
+      return greetAsCaller(*channel_, readKey(options_.remote->key),
+                           real_.mono() + options_.start_limit);
+    } catch (const Failure& failure) {
+      return fail(Errc::kRefused, failure.what());
+    }
+  }
+  auto ends = makeChannelEnds();
+  if (!ends) return tl::make_unexpected(ends.error());
+  auto process = ChildProcess::start(options_.command, ends->theirs);
+  if (!process) return tl::make_unexpected(process.error());
+  process_ = std::move(*process);
+  channel_ = std::make_unique<Channel>(std::move(ends->ours));
+  return {};
+}
+
+Result<void> DriverLink::greet(MonoTime deadline) {
+  const MonoTime asked = real_.mono();
+  if (auto sent = channel_->send(encode(options_.hello), deadline); !sent) return sent;
+  const auto message = channel_->receive(deadline);
+  if (!message) return tl::make_unexpected(message.error());
+  const auto answer = decodeAnswer(*message);
+  if (!answer) return tl::make_unexpected(answer.error());
+  if (answer->kind == AnswerKind::kFailed) {
+    Error error;
+    Reader from(answer->body);
+    get(from, error);
+    return tl::make_unexpected(error);
+  }
+  if (!options_.remote) return {};
+  // Halfway between question and answer: good to half of what they took.
+  const MonoTime now = real_.mono();
+  const Nanoseconds half = (now - asked) / 2;
+  mono_offset_ = (now - half) - answer->mono;
+  utc_offset_ = (real_.utc() - half) - answer->utc;
+  return {};
+}
+
+Result<DriverLink::Reply> DriverLink::call(std::uint16_t device, Op op, const Bytes& body,
+                                           Nanoseconds limit) {
+  const std::lock_guard lock(mutex_);
+  if (!running_)
+    return tl::make_unexpected(named({Errc::kLost, std::string(name(op)) + ": is not running"}));
+  Call call;
+  call.number = ++calls_;
+  call.device = device;
+  call.op = op;
+  call.utc = clock_.utc();
+  call.mono = clock_.mono();
+  call.body = body;
+  auto reply = exchange(call, real_.mono() + limit);
+  if (reply && reply->cut) reply->cut = named(*reply->cut);
+  if (!reply) {
+    Error error = reply.error();
+    error.what = std::string(name(op)) + ": " + error.what;
+    return tl::make_unexpected(named(error));
+  }
+  return reply;
+}
+
+Result<DriverLink::Reply> DriverLink::exchange(const Call& call, MonoTime deadline) {
+  Reply reply;
+  const auto cut_off = [&](Error error) -> Result<Reply> {
+    drop(true);
+    if (!reply.part) return tl::make_unexpected(std::move(error));
+    reply.cut = std::move(error);
+    return std::move(reply);
+  };
+  if (auto sent = channel_->send(encode(call), deadline); !sent) return cut_off(sent.error());
+  const bool beats = !options_.hello.told_time;
+  while (true) {
+    const MonoTime silent = real_.mono() + kSilenceMax;
+    const auto message = channel_->receive(beats ? std::min(deadline, silent) : deadline);
+    if (!message) return cut_off(message.error());
+    auto answer = decodeAnswer(*message);
+    if (!answer) return cut_off(answer.error());
+    memory_bytes_ = answer->memory_bytes;
+    if (answer->number != call.number || answer->kind == AnswerKind::kBeat) continue;
+    if (answer->kind == AnswerKind::kPart) {
+      reply.part = std::move(answer->body);
+      continue;
+    }
+    if (options_.hello.told_time) clock_.sleepUntil(answer->mono, {});
+    if (answer->kind == AnswerKind::kDone) {
+      reply.body = std::move(answer->body);
+      return reply;
+    }
+    Error error;
+    Reader from(answer->body);
+    get(from, error);
+    return tl::make_unexpected(error);
+  }
+}
+
+}  // namespace patina::devices::host

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The child's side: devices in a process of their own, called by one parent.
+#pragma once
+
+#include <functional>
+
+#include "devices/host/channel.h"
+#include "devices/host/messages.h"
+#include "devices/rig.h"
+
+namespace patina::devices::host {
+
+// The devices of a hello and no others, closed. Throws Failure for a rig it cannot make.
+using DeviceMaker = std::function<Rig(const Hello&, Clock&)>;
+
+// Until the parent goes: then devices are closed, lamps first put out. Calls are made one at a
+// time, on this thread; while one lasts, a beat every half second says that the process lives. Two
+// seconds after the parent went, a process whose driver hangs ends by _exit: nobody else would end
+// it, and it may hold a camera.
+void serve(Channel& channel, const DeviceMaker& make);
+
+}  // namespace patina::devices::host
