@@ -158,6 +158,15 @@ void CameraUnit::poll() {
       "poll", [](devices::Camera& camera) { return camera.poll(); });
 }
 
+std::vector<std::string> CameraUnit::takeEvents() {
+  std::vector<std::string> said;
+  if (!polling_ || !polling_->ready()) return said;
+  if (polling_->get())
+    for (const devices::CameraEvent& event : *polling_->get()) said.push_back(event.what);
+  polling_.reset();
+  return said;
+}
+
 void CameraUnit::release(const devices::RawFrame& frame) {
   devices::RawFrame card;  // all but the bytes
   card.file_index = frame.file_index;

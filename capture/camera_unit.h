@@ -50,6 +50,8 @@ class CameraUnit {
   devices::Error excuse() const;
   // Nobody waits for these.
   void poll();
+  // What the camera said at the last poll, once.
+  std::vector<std::string> takeEvents();
   void release(const devices::RawFrame& frame);
 
   // Shortest time from now to a picture in hand.
@@ -85,7 +87,7 @@ class CameraUnit {
   devices::Exposure preparing_for_;                  // which may not be asked_ any more
   std::shared_ptr<Answer<devices::Ticket>> ticket_;  // of the last shot
   std::shared_ptr<Pending> picture_, given_up_;
-  std::shared_ptr<Pending> polling_;
+  std::shared_ptr<Answer<std::vector<devices::CameraEvent>>> polling_;
   CameraWorker worker_;  // last: its thread ends before what it serves
 };
 

@@ -32,6 +32,7 @@ StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive
       run_id_(run_id),
       hooks_(hooks),
       lamps_(rig, clock, plan.sweeps.back().lights.back()),
+      lines_(rig),
       gate_(plan.light_check, rig.spec.sensors, run_id),
       alerts_(
           plan.alerts.rules, [this](UtcTime, const std::string& detail) { event("alarm", detail); },
@@ -81,6 +82,7 @@ void StepRunner::verdicts(std::span<const db::LightCheckRow> rows) {
 void StepRunner::start(std::int64_t next_number) {
   sequence_ = firstSequence(next_number);
   for (const devices::Error& error : lamps_.start()) event("recover", error.what);
+  for (const devices::Error& error : lines_.start()) event("recover", error.what);
   if (next_number > 0) lamps_.rest();  // a run that goes on: kept lamps as they were
   for (const auto& sensor : rig_.sensors)
     if (auto up = sensor->recover(); !up) event("recover", up.error().what);
@@ -89,8 +91,10 @@ void StepRunner::start(std::int64_t next_number) {
 void StepRunner::end() { lamps_.allOff(); }
 
 void StepRunner::keepAwake() {
-  for (const auto& unit : units_)
+  for (const auto& unit : units_) {
+    for (const std::string& said : unit->takeEvents()) event("camera", unit->id() + ": " + said);
     if (!unit->ladder().troubled()) unit->poll();
+  }
 }
 
 // The end of a slot is for rows and files, which take time on a real clock alone.

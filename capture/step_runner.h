@@ -25,6 +25,7 @@
 #include "capture/plan.h"
 #include "capture/sensor_watch.h"
 #include "capture/session.h"
+#include "capture/shutter_lines.h"
 #include "db/archive.h"
 #include "devices/clock.h"
 #include "devices/rig.h"
@@ -97,6 +98,7 @@ class StepRunner {
   MonoTime waitToBeReady(CameraUnit& unit, const Group& group) const;
   void awaitReady(const Group& group);
   void expose(std::vector<Attempt>& attempts, const Group& group);
+  void fireLines(std::vector<Attempt>& attempts);
   MonoTime waitForPicture(CameraUnit& unit, const Group& group, MonoTime shutter) const;
   void inspect(Attempt& attempt);
   GateVerdict judge(const Group& group, const std::vector<Attempt>& attempts);
@@ -126,6 +128,7 @@ class StepRunner {
   std::shared_ptr<Doorbell> bell_ = std::make_shared<Doorbell>();
   std::vector<std::unique_ptr<CameraUnit>> units_;
   Lamps lamps_;
+  ShutterLines lines_;
   LightGate gate_;
   SensorWatch sensors_;
   Alerts alerts_;

@@ -110,6 +110,32 @@ MonoTime StepRunner::waitForPicture(CameraUnit& unit, const Group& group, MonoTi
   return std::min(deadline + kOverdue, std::max(workEnds(), shutter + takes + plan_.interval / 10));
 }
 
+// Once every camera that hangs on a line is armed, or has failed to be: those fire together.
+void StepRunner::fireLines(std::vector<Attempt>& attempts) {
+  std::vector<std::string> armed;
+  for (Attempt& a : attempts) {
+    if (a.shot.state != db::ShotState::kArmed || !lines_.serve(a.unit->id())) continue;
+    bell_->wait(clock_, clock_.mono() + a.unit->caps().cycle + kOverdue,
+                [&a] { return a.ticket->ready(); });
+    if (a.ticket->ready() && a.ticket->get()) armed.push_back(a.unit->id());
+  }
+  if (armed.empty()) return;
+  for (const ShutterLines::Fired& fired : lines_.fire(armed)) {
+    for (Attempt& a : attempts) {
+      if (std::find(fired.cameras.begin(), fired.cameras.end(), a.unit->id()) ==
+          fired.cameras.end())
+        continue;
+      if (!fired.at) {
+        // Armed it stays, for a picture that never comes: drained before the next attempt.
+        fail(a, {devices::Errc::kTimeout, "its shutter line: " + fired.at.error().what});
+        continue;
+      }
+      a.ticket->get()->began_utc += *fired.at - a.ticket->get()->began_mono;
+      a.ticket->get()->began_mono = *fired.at;
+    }
+  }
+}
+
 // Tells all shutters, then asks for all pictures: each worker does both as soon as it can.
 void StepRunner::expose(std::vector<Attempt>& attempts, const Group& group) {
   if (hooks_.abort.stop_requested()) return;
@@ -121,6 +147,7 @@ void StepRunner::expose(std::vector<Attempt>& attempts, const Group& group) {
     request.key = run_id_ + "/" + std::to_string(a.shot.id);
     a.ticket = a.unit->trigger(request);
   }
+  fireLines(attempts);
   for (Attempt& a : attempts)
     if (a.shot.state == db::ShotState::kArmed)
       a.picture = a.unit->collect(group.exposure, now_.slot_end, !group.lights->empty());

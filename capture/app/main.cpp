@@ -35,8 +35,9 @@ void print(const std::string& text) {
 void addVerbs(CommandLine& line) {
   for (const auto add :
        {addPlanVerbs, addRehearseVerb, addCaptureVerb, addDaemonVerb, addDeviceHostVerb,
-        addRunVerbs, addImportVerb, addArchiveVerbs, addLightVerbs, addCalibrateVerbs, addTtfVerbs,
-        addFilmVerbs, addSheetVerbs, addSynthVerbs, addDoctorVerb, addTwinVerbs, addAlertsVerbs})
+        addDevicesVerbs, addRunVerbs, addImportVerb, addArchiveVerbs, addLightVerbs,
+        addCalibrateVerbs, addTtfVerbs, addFilmVerbs, addSheetVerbs, addSynthVerbs, addDoctorVerb,
+        addTwinVerbs, addAlertsVerbs})
     add(line.root());
 }
 

@@ -54,6 +54,7 @@ class Output {
   void say(const std::string& sentence) { sentences_.push_back(sentence); }
   // Rows as a table, or, for a single thing, one field a line.
   void asList() { list_ = true; }
+  bool empty() const { return items_.empty(); }
   std::string text() const;  // all of it
 
  private:

@@ -169,4 +169,38 @@ Result<DriverLink::Reply> DriverLink::exchange(const Call& call, MonoTime deadli
   }
 }
 
+Result<std::vector<FoundDevice>> findInProcess(const std::vector<std::string>& command,
+                                               const std::string& backend, Nanoseconds limit) {
+  const RealClock clock;
+  const MonoTime deadline = clock.mono() + limit;
+  auto ends = makeChannelEnds();
+  if (!ends) return tl::make_unexpected(ends.error());
+  auto process = ChildProcess::start(command, ends->theirs);
+  if (!process) return tl::make_unexpected(process.error());
+  ends->theirs = Descriptor();
+  Channel channel(std::move(ends->ours));
+  Hello hello;
+  hello.find = backend;
+  if (auto sent = channel.send(encode(hello), deadline); !sent)
+    return tl::make_unexpected(sent.error());
+  const auto message = channel.receive(deadline);
+  if (!message) {
+    (*process)->kill();
+    return tl::make_unexpected(message.error());
+  }
+  const auto answer = decodeAnswer(*message);
+  if (!answer) return tl::make_unexpected(answer.error());
+  Reader from(answer->body);
+  std::vector<FoundDevice> found;
+  Error error;
+  const bool failed = answer->kind == AnswerKind::kFailed;
+  if (failed)
+    get(from, error);
+  else
+    get(from, found);
+  if (!from.whole()) return fail(Errc::kCorrupt, "a damaged list of devices came");
+  if (failed) return tl::make_unexpected(std::move(error));
+  return found;
+}
+
 }  // namespace patina::devices::host

@@ -31,6 +31,11 @@ struct LinkOptions {
 };
 
 // One call at a time; any thread. Real time throughout, also for a rig whose time is told.
+// What a backend sees attached, looked for in a process that is killed after `limit`: a sick device
+// can hang its library.
+Result<std::vector<FoundDevice>> findInProcess(const std::vector<std::string>& command,
+                                               const std::string& backend, Nanoseconds limit);
+
 class DriverLink {
  public:
   DriverLink(LinkOptions options, Clock& clock);

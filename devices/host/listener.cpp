@@ -12,10 +12,11 @@ namespace patina::devices::host {
 
 using namespace std::chrono_literals;
 
-Result<void> serveCaller(Channel& channel, const Key& key, const DeviceMaker& make) {
+Result<void> serveCaller(Channel& channel, const Key& key, const DeviceMaker& make,
+                         const DeviceFinder& find) {
   const RealClock clock;
   if (auto met = greetAsHost(channel, key, clock.mono() + 5s); !met) return met;
-  serve(channel, make);
+  serve(channel, make, find);
   return {};
 }
 

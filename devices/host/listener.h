@@ -12,7 +12,8 @@
 namespace patina::devices::host {
 
 // What came over `channel` from a stranger: serves it once he has shown the key within 5 s.
-Result<void> serveCaller(Channel& channel, const Key& key, const DeviceMaker& make);
+Result<void> serveCaller(Channel& channel, const Key& key, const DeviceMaker& make,
+                         const DeviceFinder& find = {});
 
 struct ListenOptions {
   std::string address;               // "0.0.0.0:8461"; port 0: any

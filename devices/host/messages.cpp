@@ -72,6 +72,7 @@ Bytes encode(const Hello& hello) {
   to.i64(hello.duration.count());
   put(to, hello.start_utc);
   to.u64(hello.memory_max_bytes);
+  to.text(hello.find);
   return to.take();
 }
 
@@ -93,6 +94,7 @@ Result<Hello> decodeHello(std::span<const std::byte> message) {
   hello.duration = Nanoseconds(from.i64());
   get(from, hello.start_utc);
   hello.memory_max_bytes = from.u64();
+  hello.find = from.text();
   if (!from.whole()) return damaged("greeting");
   return hello;
 }
@@ -255,6 +257,46 @@ void get(Reader& from, Reading& v) {
   get(from, v.utc);
   get(from, v.mono);
   v.saturated = from.flag();
+}
+
+void put(Writer& to, const std::string& v) { to.text(v); }
+void get(Reader& from, std::string& v) { v = from.text(); }
+
+template <class A, class B>
+void put(Writer& to, const std::pair<A, B>& v) {
+  put(to, v.first);
+  put(to, v.second);
+}
+template <class A, class B>
+void get(Reader& from, std::pair<A, B>& v) {
+  get(from, v.first);
+  get(from, v.second);
+}
+
+void put(Writer& to, const Trouble& v) {
+  to.u8(v.fatal);
+  to.text(v.what);
+  to.text(v.do_this);
+}
+void get(Reader& from, Trouble& v) {
+  v.fatal = from.flag();
+  v.what = from.text();
+  v.do_this = from.text();
+}
+
+void put(Writer& to, const FoundDevice& v) {
+  for (const std::string* text : {&v.kind, &v.backend, &v.model, &v.serial, &v.address, &v.state})
+    to.text(*text);
+  put(to, v.facts);
+  put(to, v.choices);
+  put(to, v.troubles);
+}
+void get(Reader& from, FoundDevice& v) {
+  for (std::string* text : {&v.kind, &v.backend, &v.model, &v.serial, &v.address, &v.state})
+    *text = from.text();
+  get(from, v.facts);
+  get(from, v.choices);
+  get(from, v.troubles);
 }
 
 }  // namespace patina::devices::host

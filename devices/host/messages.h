@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "devices/camera.h"
+#include "devices/found.h"
 #include "devices/host/wire.h"
 #include "devices/sensor.h"
 
@@ -19,7 +20,7 @@ namespace patina::devices::host {
 
 inline constexpr std::uint32_t kProtocol = 1;
 
-// The first message: which devices of which rig.
+// The first message: which devices of which rig, or what a backend sees attached.
 struct Hello {
   std::uint32_t protocol = kProtocol;
   std::string rig_toml, rig_file;
@@ -31,6 +32,7 @@ struct Hello {
   Nanoseconds duration{};
   UtcTime start_utc{};
   std::uint64_t memory_max_bytes = 0;  // 0: no limit
+  std::string find;                    // a backend: its find() is the answer, and nothing is served
 };
 
 enum class Op : std::uint8_t {
@@ -86,6 +88,7 @@ void put(Writer& to, const Reading& v);
 void put(Writer& to, const CameraEvent& v);
 void put(Writer& to, const std::optional<bool>& v);
 void put(Writer& to, MonoTime v);
+void put(Writer& to, const FoundDevice& v);
 void get(Reader& from, Error& v);
 void get(Reader& from, Exposure& v);
 void get(Reader& from, ShotRequest& v);
@@ -96,6 +99,7 @@ void get(Reader& from, Reading& v);
 void get(Reader& from, CameraEvent& v);
 void get(Reader& from, std::optional<bool>& v);
 void get(Reader& from, MonoTime& v);
+void get(Reader& from, FoundDevice& v);
 
 template <class T>
 void put(Writer& to, const std::vector<T>& all) {

@@ -234,7 +234,7 @@ class Server {
 
 }  // namespace
 
-void serve(Channel& channel, const DeviceMaker& make) {
+void serve(Channel& channel, const DeviceMaker& make, const DeviceFinder& find) {
   const RealClock clock;
   const auto next = [&] { return channel.receive(clock.mono() + 1h); };
   const auto first = channel.receive(clock.mono() + 10s);
@@ -249,13 +249,16 @@ void serve(Channel& channel, const DeviceMaker& make) {
   if (!hello) return refuse(hello.error());
   limitMemory(hello->memory_max_bytes);
   std::optional<Server> server;
+  Bytes found;
   try {
-    server.emplace(channel, *hello, make);
+    if (!hello->find.empty() && find) found = bodyOf(find(hello->find));
+    if (hello->find.empty()) server.emplace(channel, *hello, make);
   } catch (const std::exception& error) {
     return refuse({Errc::kUnsupported, error.what()});
   }
-  if (!channel.send(encode(answerTo(greeting, AnswerKind::kDone, clock, {})),
-                    clock.mono() + kSendLimit))
+  if (!channel.send(encode(answerTo(greeting, AnswerKind::kDone, clock, std::move(found))),
+                    clock.mono() + kSendLimit) ||
+      !server)
     return;
   while (true) {
     const auto message = next();

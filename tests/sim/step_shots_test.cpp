@@ -31,6 +31,17 @@ TEST(StepShots, ShootsEveryCameraLightAndExposureOfASweep) {
   sim.expectWhole();
 }
 
+TEST(StepShots, CamerasOnOneLineAreFiredTogether) {
+  Simulation sim({.rig = "[[trigger]]\nid = \"line\"\nbackend = \"twin\"\n"
+                         "cameras = [\"cam0\", \"cam1\"]\n",
+                  .cameras = 2});
+  EXPECT_EQ(sim.run().last.captured, 12);
+  const auto shots = sim.reader().shotsOfStep(sim.reader().step(sim.run_id, 5)->id);
+  ASSERT_EQ(shots.size(), 2u);
+  EXPECT_EQ(shots[0].began_mono, shots[1].began_mono);
+  sim.expectWhole();
+}
+
 struct Trouble {
   const char* name;
   const char* fault;

@@ -29,6 +29,8 @@ struct Backend {
 };
 
 const std::vector<Backend>& backends();
+// What the backend of that name sees attached, in this process. Failure(kUsage): no such backend.
+std::vector<devices::FoundDevice> findAttached(const std::string& backend);
 // Nothing, when there is none of that name.
 const Backend* backendNamed(const std::string& name);
 

@@ -24,8 +24,10 @@ void serveOne(const HostChoices& chosen) {
   // A terminal's Ctrl-C is for the parent; its end is this one's.
   std::signal(SIGINT, SIG_IGN);
   host::Channel channel{devices::Descriptor(chosen.fd)};
-  if (chosen.key.empty()) return host::serve(channel, rig::makeHosted);
-  if (auto served = host::serveCaller(channel, host::readKey(chosen.key), rig::makeHosted); !served)
+  if (chosen.key.empty()) return host::serve(channel, rig::makeHosted, rig::findAttached);
+  if (auto served =
+          host::serveCaller(channel, host::readKey(chosen.key), rig::makeHosted, rig::findAttached);
+      !served)
     throw AppError(Exit::kPermission, served.error().what);
 }
 

@@ -12,6 +12,7 @@ void addRehearseVerb(Verb root);
 void addCaptureVerb(Verb root);
 void addDaemonVerb(Verb root);
 void addDeviceHostVerb(Verb root);
+void addDevicesVerbs(Verb root);
 void addRunVerbs(Verb root);
 void addImportVerb(Verb root);
 void addArchiveVerbs(Verb root);

@@ -17,11 +17,11 @@ using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
 // A server on a thread of its own, and what it answers to a first message.
-Answer answerTo(const Bytes& message, const DeviceMaker& make) {
+Answer answerTo(const Bytes& message, const DeviceMaker& make, const DeviceFinder& find = {}) {
   const RealClock clock;
   auto ends = makeChannelEnds();
   Channel ours(std::move(ends->ours)), theirs(std::move(ends->theirs));
-  std::jthread server([&] { serve(theirs, make); });
+  std::jthread server([&] { serve(theirs, make, find); });
   EXPECT_TRUE(ours.send(message, clock.mono() + 10s));
   const auto answer = ours.receive(clock.mono() + 10s);
   shutdown(ours.fd(), SHUT_RDWR);
@@ -57,6 +57,28 @@ TEST(Server, ServesTheDevicesOfTheHello) {
   Hello hello;
   hello.devices = {"key"};
   EXPECT_EQ(answerTo(encode(hello), oneLamp).kind, AnswerKind::kDone);
+}
+
+TEST(Server, LooksForWhatIsAttached) {
+  Hello hello;
+  hello.find = "gphoto2";
+  const Answer answer = answerTo(encode(hello), oneLamp, [](const std::string& backend) {
+    FoundDevice device;
+    device.model = "D800";
+    device.facts = {{"asked", backend}};
+    device.choices = {{"iso", {"100", "200"}}};
+    device.troubles = {{true, "its battery is low", "charge it"}};
+    return std::vector<FoundDevice>{device};
+  });
+  std::vector<FoundDevice> found;
+  Reader from(answer.body);
+  get(from, found);
+  ASSERT_TRUE(from.whole());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].facts[0].second, "gphoto2");
+  EXPECT_EQ(found[0].choices[0].second[1], "200");
+  EXPECT_EQ(found[0].troubles[0].do_this, "charge it");
+  EXPECT_TRUE(found[0].troubles[0].fatal);
 }
 
 TEST(Server, NonsenseForAGreetingIsRefused) {
