@@ -7,11 +7,10 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <numeric>
 
 #include "processing/image/codecs.h"
+#include "processing/image/exif_directory.h"
 #include "processing/image/plain_tiff.h"
 #include "processing/image/raw_decode.h"
 
@@ -21,22 +20,6 @@ namespace {
 constexpr std::uint16_t kCfa = 32803;
 constexpr char kSoftware[] = "Patina";
 constexpr std::size_t kDirectoriesBytes = 1024;  // about; EXIF's and the main one, with values
-
-struct ExifTime {
-  char date[20] = "";      // 2024:05:01 12:00:00
-  char fraction[10] = "";  // nanoseconds, nine digits
-};
-
-ExifTime exifTime(UtcTime t) {
-  ExifTime out;
-  const std::string text = formatUtc(t);  // 2024-05-01T12:00:00.000Z
-  std::copy_n(text.begin(), 19, out.date);
-  out.date[4] = out.date[7] = ':';
-  out.date[10] = ' ';
-  const auto ns = (t - std::chrono::floor<std::chrono::seconds>(t)).count();
-  std::snprintf(out.fraction, sizeof out.fraction, "%09d", static_cast<int>(ns));
-  return out;
-}
 
 void check(const RawMosaic& raw) {
   const bool good =
@@ -56,15 +39,6 @@ void check(const RawMosaic& raw) {
 
 std::uint32_t rounded(double v) { return static_cast<std::uint32_t>(std::lround(v)); }
 
-// top / bottom, coarser where 32 bits do not hold it (nanoseconds above 4.29 s).
-TiffRational rationalOf(std::int64_t top, std::int64_t bottom) {
-  const std::int64_t common = std::gcd(top, bottom);
-  top /= common;
-  bottom /= common;
-  for (; top > UINT32_MAX; top /= 10) bottom = std::max<std::int64_t>(bottom / 10, 1);
-  return {static_cast<std::uint32_t>(top), static_cast<std::uint32_t>(bottom)};
-}
-
 // A level below 65536 exactly, to the digits of a float.
 TiffRational rationalOf(float level) {
   std::uint32_t bottom = 1;
@@ -78,28 +52,6 @@ TiffRational rationalOf(float level) {
 std::optional<double> valueOf(std::optional<TiffRational> r) {
   if (!r || r->top == 0 || r->bottom == 0) return std::nullopt;
   return static_cast<double>(r->top) / static_cast<double>(r->bottom);
-}
-
-// Offset of the EXIF directory; 0 when there is nothing to say.
-std::uint32_t writeExif(Bytes& file, const RawMosaic& raw) {
-  if (!raw.exposure && !raw.f_number && !raw.iso && !raw.taken_utc) return 0;
-  TiffDirectoryWriter exif;
-  const auto rational = [&](std::uint16_t tag, TiffRational r) {
-    exif.rationals(tag, TiffType::kRational, {&r, 1});
-  };
-  if (raw.exposure)
-    rational(EXIFTAG_EXPOSURETIME, rationalOf(raw.exposure->count(), 1'000'000'000));
-  if (raw.f_number)
-    rational(EXIFTAG_FNUMBER, rationalOf(std::llround(raw.f_number->value * 10'000), 10'000));
-  if (raw.iso)
-    exif.shorts(EXIFTAG_ISOSPEEDRATINGS, {static_cast<std::uint16_t>(rounded(raw.iso->value))});
-  if (raw.taken_utc) {
-    const ExifTime time = exifTime(*raw.taken_utc);
-    exif.text(EXIFTAG_DATETIMEORIGINAL, time.date);
-    exif.text(EXIFTAG_SUBSECTIMEORIGINAL, time.fraction);
-    exif.text(EXIFTAG_OFFSETTIMEORIGINAL, "+00:00");
-  }
-  return exif.appendTo(file);
 }
 
 void describeSamples(TiffDirectoryWriter& main, const RawMosaic& raw, std::uint32_t offset) {
@@ -150,6 +102,7 @@ void readExif(std::span<const std::byte> file, std::uint32_t offset, RawMosaic& 
   if (const auto f = valueOf(exif->rational(EXIFTAG_FNUMBER))) out.f_number = FNumber{*f};
   if (const auto iso = exif->number(EXIFTAG_ISOSPEEDRATINGS))
     out.iso = Iso{static_cast<double>(*iso)};
+  out.serial = exif->text(kBodySerialNumber);
   std::string date = exif->text(EXIFTAG_DATETIMEORIGINAL);
   if (date.size() != 19) return;
   date[4] = date[7] = '-';
@@ -176,7 +129,13 @@ Bytes encodeDng(const RawMosaic& raw) {
   file.reserve(samples.size() + kDirectoriesBytes);
   for (const char byte : {'I', 'I', '\x2a', '\0', '\0', '\0', '\0', '\0'})
     file.push_back(static_cast<std::byte>(byte));
-  const std::uint32_t exif = writeExif(file, raw);
+  const std::uint32_t exif = appendExif(file, {.exposure = raw.exposure,
+                                               .iso = raw.iso,
+                                               .f_number = raw.f_number,
+                                               .taken_utc = raw.taken_utc,
+                                               .make = {},
+                                               .model = {},
+                                               .serial = raw.serial});
   const auto offset = static_cast<std::uint32_t>(file.size());
   file.insert(file.end(), samples.begin(), samples.end());
   TiffDirectoryWriter main;

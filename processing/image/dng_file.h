@@ -23,6 +23,7 @@ struct RawMosaic {
   std::optional<FNumber> f_number;
   std::optional<UtcTime> taken_utc;
   std::string make, model;
+  std::string serial;  // of the body; read back from our own files alone
 };
 
 // 16 bits a sample, uncompressed; LibRaw reads every value back. Pure: no clock, no file.
