@@ -33,11 +33,12 @@ function(patina_program target)
 endfunction()
 
 # patina_test(<target> SOURCES ... [LINKS ...] [SHARDS n] [LABELS ...] [RESOURCE_LOCK ...] [ENVIRONMENT NAME=value ...]
-#             [TIMEOUT s] [DEPENDS <programs the test runs>])
+#             [TIMEOUT s] [DEPENDS <programs the test runs>] [LAUNCHER <command>])
+# LAUNCHER runs it: umockdev-wrapper for tests of simulated devices.
 # One gtest binary out of several files, one CTest entry a shard. Every entry has its folder under tests/ as a label, and
 # the target tests-<folder> (slashes as dashes) builds what the folder's tests need.
 function(patina_test target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "SHARDS;TIMEOUT" "SOURCES;LINKS;LABELS;RESOURCE_LOCK;ENVIRONMENT;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "SHARDS;TIMEOUT" "SOURCES;LINKS;LABELS;RESOURCE_LOCK;ENVIRONMENT;DEPENDS;LAUNCHER")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "patina_test(${target}): unknown argument ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -70,7 +71,7 @@ function(patina_test target)
       set(entry ${target}.${shard})
     endif()
     add_test(NAME ${entry}
-             COMMAND ${PATINA_TIMED} ${PROJECT_BINARY_DIR}/test_times.log ${entry} $<TARGET_FILE:${target}>)
+             COMMAND ${PATINA_TIMED} ${PROJECT_BINARY_DIR}/test_times.log ${entry} ${arg_LAUNCHER} $<TARGET_FILE:${target}>)
     # PATINA_TEST_DATA and PATINA_UPDATE_GOLDEN come through from the caller's environment.
     set_tests_properties(${entry} PROPERTIES
       LABELS "${folder};${arg_LABELS}" TIMEOUT ${arg_TIMEOUT} RESOURCE_LOCK "${arg_RESOURCE_LOCK}"
