@@ -18,7 +18,7 @@
 namespace patina::devices::twin::dslr {
 
 struct DslrOptions {
-  std::string camera;  // its id in the rig; empty: the first
+  std::string camera{};  // its id in the rig; empty: the first
   std::string model = "Patina DSLR", serial = "1001";
   Nanoseconds save = std::chrono::milliseconds(20);  // from the exposure's end to the card
   Nanoseconds clock_off{};                           // the camera's clock minus the true one
