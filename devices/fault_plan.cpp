@@ -7,6 +7,7 @@
 
 #include "devices/config_file.h"
 #include "devices/config_guard.h"
+#include "devices/fault_table.h"
 #include "devices/rig.h"
 
 namespace patina::devices {
@@ -59,6 +60,8 @@ std::vector<std::string> kindNames() {
   return names;
 }
 
+}  // namespace
+
 Fault takeFault(ConfigTable& table) {
   Fault fault;
   fault.at = table.takeDuration("at", Nanoseconds{0}, kFaultForEver);
@@ -74,8 +77,6 @@ Fault takeFault(ConfigTable& table) {
   table.finish();
   return fault;
 }
-
-}  // namespace
 
 FaultPlan readFaults(const std::filesystem::path& file) {
   return parseFaults(ConfigFile::readText(file), file);

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "capture/app/context.h"
+#include "capture/app/verbs/twin_camera.h"
 #include "capture/app/verbs/twin_film.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/workflow/facts.h"
@@ -89,6 +90,7 @@ void addTwinVerbs(Verb root) {
       .option("--out", o->out, "FOLDER", "Where to")
       .demand("--out");
   addTwinFilmVerb(specimens);
+  addTwinCameraVerb(twin);
 }
 
 }  // namespace patina::app

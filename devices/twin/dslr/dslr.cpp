@@ -168,6 +168,12 @@ Truth Dslr::truth() const {
   return body_.truth;
 }
 
+std::vector<TruePicture> Dslr::picturesSince(std::size_t first) const {
+  const std::lock_guard lock(mutex_);
+  const auto& all = body_.truth.pictures;
+  return {all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())), all.end()};
+}
+
 void Dslr::catchUp() {
   if (const auto fault = misbehaviour_.powerLoss(clock().mono())) {
     body_.truth.faults.push_back({clock().utc(), *fault, {}});

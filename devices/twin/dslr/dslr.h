@@ -45,6 +45,7 @@ class Dslr {
   void setBattery(int percent);
   void set(Property property, std::int64_t value);  // a hand at its dials
   Truth truth() const;
+  std::vector<TruePicture> picturesSince(std::size_t first) const;  // of truth(), from this one on
 
  private:
   void catchUp();  // to the present

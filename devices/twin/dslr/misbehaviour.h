@@ -30,7 +30,7 @@ enum class DslrFaultKind {
 struct DslrFault {
   DslrFaultKind kind = DslrFaultKind::kRefuse;
   std::optional<Operation> operation{};  // none: the next one that the kind befalls by itself
-  Nanoseconds duration{};              // kRefuse, kBusy: all such operations for so long
+  Nanoseconds duration{};                // kRefuse, kBusy: all such operations for so long
   double amount = 0;  // kStall, kReset, kClose: share of the reply that gets out before, in [0,1)
   Nanoseconds at{};   // of a script: after the camera was made
 };

@@ -16,7 +16,7 @@ struct PtpCommand {
   Operation operation{};
   std::uint32_t transaction = 0;
   std::vector<std::uint32_t> parameters{};  // at most five
-  Bytes data{};                           // what the client sent with it
+  Bytes data{};                             // what the client sent with it
 
   std::uint32_t parameter(std::size_t i) const { return i < parameters.size() ? parameters[i] : 0; }
 };

@@ -21,6 +21,26 @@ namespace {
 constexpr int kWaiting = 8;  // clients that knock at once
 constexpr std::size_t kReadBytes = 64 << 10;
 
+[[noreturn]] void refuse(const std::string& address, int port) {
+  throw Failure(Exit::kUnavailable, "cannot listen at " + address + ":" + std::to_string(port) +
+                                        ": " + std::strerror(errno) +
+                                        "; port 0 takes any free one");
+}
+
+Socket bindTo(const std::string& address, int port, int type) {
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(static_cast<std::uint16_t>(port));
+  if (inet_pton(AF_INET, address.c_str(), &at.sin_addr) != 1)
+    throw Failure(Exit::kUsage, "'" + address + "' is no IPv4 address, such as 127.0.0.1");
+  Socket socket(::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const int yes = 1;
+  if (type == SOCK_STREAM) setsockopt(socket.fd(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (bind(socket.fd(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0)
+    refuse(address, port);
+  return socket;
+}
+
 }  // namespace
 
 Socket::~Socket() {
@@ -33,21 +53,12 @@ Socket& Socket::operator=(Socket&& other) noexcept {
 }
 
 Socket listenAt(const std::string& address, int port) {
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_port = htons(static_cast<std::uint16_t>(port));
-  if (inet_pton(AF_INET, address.c_str(), &at.sin_addr) != 1)
-    throw Failure(Exit::kUsage, "'" + address + "' is no IPv4 address, such as 127.0.0.1");
-  Socket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  const int yes = 1;
-  setsockopt(socket.fd(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  if (bind(socket.fd(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 ||
-      listen(socket.fd(), kWaiting) != 0)
-    throw Failure(Exit::kUnavailable, "cannot listen at " + address + ":" + std::to_string(port) +
-                                          ": " + std::strerror(errno) +
-                                          "; port 0 takes any free one");
+  Socket socket = bindTo(address, port, SOCK_STREAM);
+  if (listen(socket.fd(), kWaiting) != 0) refuse(address, port);
   return socket;
 }
+
+Socket bindUdp(const std::string& address, int port) { return bindTo(address, port, SOCK_DGRAM); }
 
 int portOf(const Socket& socket) {
   sockaddr_in at{};

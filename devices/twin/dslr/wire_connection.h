@@ -23,7 +23,8 @@ class Socket {
 
 // Of 127.0.0.1 or another address in numbers; port 0: any free one. Failure(kUsage) for an address
 // that is none, Failure(kUnavailable) when it cannot be had.
-Socket listenAt(const std::string& address, int port);
+Socket listenAt(const std::string& address, int port);  // TCP
+Socket bindUdp(const std::string& address, int port);
 int portOf(const Socket& socket);
 
 // Thread-bound. Nothing here blocks.
