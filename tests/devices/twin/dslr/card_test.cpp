@@ -26,7 +26,7 @@ TEST(Card, NeverGivesAHandleOrANameTwice) {
     for (const std::uint32_t handle : card.add(kCardStore, picture(10, i % 3 == 0))) {
       EXPECT_TRUE(handles.insert(handle).second);
       EXPECT_TRUE(names.insert(card.find(handle)->name).second);
-      if (i % 2 == 0) EXPECT_TRUE(card.remove(handle));
+      EXPECT_EQ(i % 2 == 0 && card.remove(handle), i % 2 == 0);
     }
 }
 

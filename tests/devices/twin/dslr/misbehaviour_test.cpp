@@ -32,7 +32,8 @@ TEST(Misbehaviour, WaitsForItsTime) {
 TEST(Misbehaviour, OfADurationLastsFromItsFirstStrikeOn) {
   Misbehaviour trouble;
   trouble.order({.kind = DslrFaultKind::kBusy, .duration = 2s}, kNow);
-  for (const auto after : {5s, 6s}) EXPECT_TRUE(trouble.strike(Operation::kInitiateCapture, kNow + after));
+  for (const auto after : {5s, 6s})
+    EXPECT_TRUE(trouble.strike(Operation::kInitiateCapture, kNow + after));
   EXPECT_FALSE(trouble.strike(Operation::kInitiateCapture, kNow + 7s));
 }
 

@@ -21,8 +21,8 @@ TEST(PtpWriter, WritesNumbersLowByteFirstAndTextsCounted) {
   out.text("f8");
   out.text("");
   out.u16s({0x4002});
-  EXPECT_EQ(out.take(), bytes({0x14, 0x10, 1, 0, 1, 0, 3, 'f', 0, '8', 0, 0, 0, 0, 1, 0, 0, 0,
-                               0x02, 0x40}));
+  EXPECT_EQ(out.take(),
+            bytes({0x14, 0x10, 1, 0, 1, 0, 3, 'f', 0, '8', 0, 0, 0, 0, 1, 0, 0, 0, 0x02, 0x40}));
 }
 
 TEST(PtpReader, ReadsWhatTheWriterWrote) {

@@ -26,8 +26,8 @@ std::vector<Packet> packetsIn(const Bytes& stream) {
 Packet packet(PacketType type, const Bytes& payload) { return {type, payload}; }
 
 // OpenSession(1) as libgphoto2 sends it.
-const Bytes kOpenSession = bytes({22, 0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 0x02, 0x10, 0, 0, 0, 0, 1, 0,
-                                  0, 0});
+const Bytes kOpenSession =
+    bytes({22, 0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 0x02, 0x10, 0, 0, 0, 0, 1, 0, 0, 0});
 
 TEST(PacketReader, PutsPacketsTogetherFromAnyPieces) {
   Bytes stream = kOpenSession;
@@ -73,12 +73,13 @@ TEST(CommandReader, ReadsARequestWithItsParameters) {
 class CommandWithData : public ::testing::Test {
  protected:
   void SetUp() override {
-    EXPECT_FALSE(reader_.take(packet(PacketType::kCommandRequest,
-                                     bytes({2, 0, 0, 0, 0x16, 0x10, 9, 0, 0, 0, 0x0D, 0x50, 0, 0}))));
+    EXPECT_FALSE(
+        reader_.take(packet(PacketType::kCommandRequest,
+                            bytes({2, 0, 0, 0, 0x16, 0x10, 9, 0, 0, 0, 0x0D, 0x50, 0, 0}))));
   }
   std::optional<PtpCommand> start(int announced) {
-    return reader_.take(packet(PacketType::kStartData,
-                               bytes({9, 0, 0, 0, announced, 0, 0, 0, 0, 0, 0, 0})));
+    return reader_.take(
+        packet(PacketType::kStartData, bytes({9, 0, 0, 0, announced, 0, 0, 0, 0, 0, 0, 0})));
   }
   CommandReader reader_;
 };

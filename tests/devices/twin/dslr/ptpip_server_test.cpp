@@ -85,8 +85,8 @@ TEST_F(PtpIpServerTest, ClosesTheConnectionOfGarbageAndServesOn) {
 }
 
 TEST_F(PtpIpServerTest, ClosesAClientThatSaysWhatIsNoCommand) {
-  for (const PacketType type : {PacketType::kStartData, PacketType::kInitCommandRequest,
-                                static_cast<PacketType>(77)}) {
+  for (const PacketType type :
+       {PacketType::kStartData, PacketType::kInitCommandRequest, static_cast<PacketType>(77)}) {
     {
       WireClient client(port());
       ASSERT_TRUE(client.is_open);

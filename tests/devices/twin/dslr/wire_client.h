@@ -75,7 +75,8 @@ class WireClient {
     const auto ack = commands.read();
     if (!ack || ack->type != PacketType::kInitCommandAck) return;
     events.emplace(port);
-    events->send(PacketType::kInitEventRequest, Bytes(ack->payload.begin(), ack->payload.begin() + 4));
+    events->send(PacketType::kInitEventRequest,
+                 Bytes(ack->payload.begin(), ack->payload.begin() + 4));
     const auto second = events->read();
     is_open = second && second->type == PacketType::kInitEventAck &&
               ask(Operation::kOpenSession, {1}) == Answer::kOk;
@@ -99,7 +100,8 @@ class WireClient {
     }
     return std::nullopt;
   }
-  std::optional<Answer> ask(Operation operation, const std::vector<std::uint32_t>& parameters = {}) {
+  std::optional<Answer> ask(Operation operation,
+                            const std::vector<std::uint32_t>& parameters = {}) {
     send(operation, parameters);
     return answer();
   }
