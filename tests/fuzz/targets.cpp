@@ -21,6 +21,8 @@ const std::vector<FuzzTarget>& fuzzTargets() {
       {"http_events", fuzzHttpEvents},
       {"kept_tokens", fuzzKeptTokens},
       {"daemon_json", fuzzDaemonJson},
+      {"ptpip", fuzzPtpIp},
+      {"op_dmx", fuzzOpDmx},
   };
   return kTargets;
 }

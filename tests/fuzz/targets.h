@@ -32,6 +32,8 @@ void fuzzHttpFields(std::span<const std::byte> bytes);
 void fuzzHttpEvents(std::span<const std::byte> bytes);
 void fuzzKeptTokens(std::span<const std::byte> bytes);
 void fuzzDaemonJson(std::span<const std::byte> bytes);
+void fuzzPtpIp(std::span<const std::byte> bytes);
+void fuzzOpDmx(std::span<const std::byte> bytes);
 
 std::string textOf(std::span<const std::byte> bytes);
 

@@ -6,41 +6,20 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cstring>
+#include <array>
 #include <thread>
 #include <utility>
 
 #include "devices/settings.h"
-#include "devices/twin/dslr/ptp_data.h"
+#include "devices/twin/dslr/op_dmx.h"
 #include "devices/twin/dslr/wire_connection.h"
 
 namespace patina::devices::twin::dslr {
 namespace {
 
-constexpr std::array<char, 8> kMark = {'A', 'r', 't', '-', 'N', 'e', 't', '\0'};
-constexpr std::uint16_t kOpDmx = 0x5000;
-constexpr std::size_t kSlotsMax = 512;
-constexpr int kUniverseMax = 0x7FFF;
+constexpr int kSlotsMax = 512, kUniverseMax = 0x7FFF;
 
 }  // namespace
-
-std::optional<DmxFrame> parseOpDmx(std::span<const std::byte> packet) {
-  PtpReader from(packet);
-  const auto mark = from.raw(kMark.size());
-  if (from.bad() || std::memcmp(mark.data(), kMark.data(), kMark.size()) != 0) return std::nullopt;
-  const std::uint16_t operation = from.u16();
-  from.u16();  // the protocol's version, high byte first
-  from.u16();  // sequence and physical port
-  DmxFrame frame;
-  frame.universe = from.u16() & kUniverseMax;
-  const unsigned high = from.u8(), low = from.u8();
-  const std::size_t count = high << 8 | low;
-  const auto slots = from.raw(count);
-  if (from.bad() || operation != kOpDmx || count > kSlotsMax) return std::nullopt;
-  for (const std::byte slot : slots) frame.slots.push_back(std::to_integer<std::uint8_t>(slot));
-  return frame;
-}
 
 std::vector<DmxAddress> dmxAddresses(const RigSpec& rig) {
   std::vector<DmxAddress> addresses;
@@ -48,7 +27,7 @@ std::vector<DmxAddress> dmxAddresses(const RigSpec& rig) {
     Settings settings(light.settings, "light '" + light.id + "'", rig.source);
     const int own = static_cast<int>(addresses.size()) + 1;
     addresses.push_back({settings.takeInteger("universe", 0, kUniverseMax, 0),
-                         settings.takeInteger("channel", 1, static_cast<int>(kSlotsMax), own)});
+                         settings.takeInteger("channel", 1, kSlotsMax, own)});
   }
   return addresses;
 }

@@ -2,24 +2,13 @@
 // The lamps of a world at the end of an Art-Net cable: they hear OpDmx packets over UDP.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "devices/twin/world.h"
 
 namespace patina::devices::twin::dslr {
-
-struct DmxFrame {
-  int universe = 0;  // the 15-bit port address
-  std::vector<std::uint8_t> slots;
-};
-// An OpDmx packet (Art-Net 4); nothing for any other bytes.
-std::optional<DmxFrame> parseOpDmx(std::span<const std::byte> packet);
 
 // Where a lamp listens.
 struct DmxAddress {

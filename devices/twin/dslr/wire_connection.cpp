@@ -18,7 +18,7 @@
 namespace patina::devices::twin::dslr {
 namespace {
 
-constexpr int kWaiting = 8;  // clients that knock at once
+constexpr int kWaiting = 64;  // clients that knock at once
 constexpr std::size_t kReadBytes = 64 << 10;
 
 [[noreturn]] void refuse(const std::string& address, int port) {

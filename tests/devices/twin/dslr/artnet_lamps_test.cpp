@@ -8,40 +8,12 @@
 
 #include "devices/twin/dslr/wire_connection.h"
 #include "tests/devices/twin/dslr/dslr_bench.h"
+#include "tests/devices/twin/dslr/op_dmx_packet.h"
 
 namespace patina::devices::twin::dslr {
 namespace {
 
 using namespace std::chrono_literals;
-
-Bytes opDmx(int universe, std::vector<int> slots) {
-  Bytes packet;
-  for (const int v : {int('A'), int('r'), int('t'), int('-'), int('N'), int('e'), int('t'), 0, 0,
-                      0x50, 0, 14, 0, 0, universe & 255, universe >> 8,
-                      static_cast<int>(slots.size()) >> 8, static_cast<int>(slots.size()) & 255})
-    packet.push_back(static_cast<std::byte>(v));
-  for (const int v : slots) packet.push_back(static_cast<std::byte>(v));
-  return packet;
-}
-
-TEST(OpDmx, IsUniverseAndSlots) {
-  const auto frame = parseOpDmx(opDmx(0x123, {1, 2, 255}));
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->universe, 0x123);
-  EXPECT_EQ(frame->slots, (std::vector<std::uint8_t>{1, 2, 255}));
-}
-
-TEST(OpDmx, IsNothingWhenItIsCutShortOrAnother) {
-  const Bytes good = opDmx(0, {1, 2, 3, 4});
-  for (std::size_t length = 0; length < good.size(); ++length)
-    EXPECT_FALSE(parseOpDmx(std::span(good).first(length))) << length;
-  Bytes poll = good;
-  poll[9] = std::byte{0x20};
-  EXPECT_FALSE(parseOpDmx(poll));
-  Bytes other = good;
-  other[0] = std::byte{'B'};
-  EXPECT_FALSE(parseOpDmx(other));
-}
 
 TEST(DmxAddresses, AreTheLampsOwnNumbersUnlessTheRigSaysOtherwise) {
   RigSpec rig = dslrRig("64x48");
