@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/usb/urb_queue.h"
 
+#include <umockdev.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
 
 namespace patina::testing {
+
+void* refObject(void* object) { return g_object_ref(object); }
+void Unref::operator()(void* object) const { g_object_unref(object); }
+
+usbdevfs_urb& Urb::head() const { return *reinterpret_cast<usbdevfs_urb*>(memory->data); }
 
 std::span<std::byte> Urb::bytes() const {
   if (!buffer) return {};

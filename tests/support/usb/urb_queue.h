@@ -4,7 +4,6 @@
 #pragma once
 
 #include <linux/usbdevice_fs.h>
-#include <umockdev.h>
 
 #include <cstdint>
 #include <list>
@@ -14,24 +13,31 @@
 
 #include "processing/image/picture_file.h"
 
+// Of umockdev, whose header stays out of this one.
+struct _UMockdevIoctlClient;
+struct _UMockdevIoctlData;
+using UMockdevIoctlClient = _UMockdevIoctlClient;
+using UMockdevIoctlData = _UMockdevIoctlData;
+
 namespace patina::testing {
 
+void* refObject(void* object);
 struct Unref {
-  void operator()(void* object) const { g_object_unref(object); }
+  void operator()(void* object) const;
 };
 template <class T>
 using GObjectPointer = std::unique_ptr<T, Unref>;
 template <class T>
 GObjectPointer<T> hold(T* object) {
-  return GObjectPointer<T>(static_cast<T*>(g_object_ref(object)));
+  return GObjectPointer<T>(static_cast<T*>(refObject(object)));
 }
 
 struct Urb {
   GObjectPointer<UMockdevIoctlClient> client;
   GObjectPointer<UMockdevIoctlData> memory, buffer;  // in the program; the latter null when empty
-  gulong address = 0;                                // its name, in the program
+  unsigned long address = 0;                         // its name, in the program
 
-  usbdevfs_urb& head() const { return *reinterpret_cast<usbdevfs_urb*>(memory->data); }
+  usbdevfs_urb& head() const;
   std::span<std::byte> bytes() const;
 };
 

@@ -3,6 +3,7 @@
 
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <umockdev.h>
 
 #include <atomic>
 #include <cerrno>
