@@ -11,7 +11,15 @@
 namespace patina {
 namespace {
 
+// By its first bytes: DNG, and the raw formats of many cameras.
+bool isTiff(std::span<const std::byte> file) {
+  return file.size() >= 4 &&
+         (std::memcmp(file.data(), "II*", 4) == 0 || std::memcmp(file.data(), "MM\0*", 4) == 0);
+}
+
+// LibRaw 0.20.2 trusts what a TIFF's directory says of its values.
 void open(LibRaw& raw, std::span<const std::byte> file) {
+  if (isTiff(file)) codecs::checkTiffValues(file);
   raw.imgdata.params.use_camera_wb = 0;
   raw.imgdata.params.no_auto_bright = 1;
   raw.set_dataerror_handler(nullptr, nullptr);  // its default prints on stderr
@@ -104,7 +112,7 @@ RawMosaic decodeRawByLibRaw(std::span<const std::byte> file, const PictureLimits
 }
 
 RawMosaic decodeRaw(std::span<const std::byte> file, const PictureLimits& limits) {
-  if (sniffFormat(file) == PictureFormat::kDng) codecs::checkTiffValues(file);
+  if (isTiff(file)) codecs::checkTiffValues(file);
   if (auto own = decodeOwnDng(file, limits)) return std::move(*own);
   return decodeRawByLibRaw(file, limits);
 }
