@@ -101,7 +101,8 @@ TEST_F(Gphoto2, ListsGetsAndDeletesPairs) {
   }
   EXPECT_EQ(saved, 2);
   EXPECT_EQ(gphoto2_({"--delete-all-files", "--recurse"}).exit, 0);
-  for (const TrueFile& file : camera_.truth().pictures.at(0).files)
+  const Truth truth = camera_.truth();
+  for (const TrueFile& file : truth.pictures.at(0).files)
     EXPECT_TRUE(file.deleted_utc) << file.name;
 }
 
