@@ -89,6 +89,16 @@ TEST_F(BodyTest, IsBrighterUnderALampThanInTheDark) {
   EXPECT_GT(mean(), 10 * dark);
 }
 
+TEST_F(BodyTest, SaysNothingOfAPictureToAClientThatComesLater) {
+  EXPECT_EQ(trigger(), Answer::kOk);
+  client_.ask(Operation::kCloseSession);
+  clock_.advance(1s);
+  EXPECT_TRUE(camera_.takeEvents().empty());
+  client_.ask(Operation::kOpenSession, {1});
+  EXPECT_TRUE(camera_.takeEvents().empty());
+  EXPECT_EQ(client_.files().size(), 1u);
+}
+
 TEST_F(BodyTest, AnswersBusyWhileItExposes) {
   EXPECT_EQ(trigger(), Answer::kOk);
   EXPECT_EQ(trigger(), Answer::kDeviceBusy);
