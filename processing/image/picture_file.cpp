@@ -6,6 +6,7 @@
 #include "processing/image/codecs.h"
 #include "processing/image/dng_file.h"
 #include "processing/image/encoding.h"
+#include "processing/image/linear_png.h"
 
 namespace patina {
 namespace {
@@ -34,6 +35,15 @@ Image<float> linearOf(Image<float> samples) { return samples; }
 template <class T>
 Image<float> linearOf(const Image<T>& samples) {
   return decodeSrgb(samples.view());
+}
+
+template <class T>
+Image<float> scaled(const Image<T>& samples) {
+  constexpr float kStep = 1.0f / std::numeric_limits<T>::max();
+  Image<float> out(samples.width(), samples.height(), samples.channels());
+  for (std::size_t i = 0; i < samples.texels().size(); ++i)
+    out.texels()[i] = static_cast<float>(samples.texels()[i]) * kStep;
+  return out;
 }
 
 Picture pictureOfRaw(std::span<const std::byte> file, PictureFormat format,
@@ -106,10 +116,17 @@ Picture decodePicture(std::span<const std::byte> file, const PictureLimits& limi
   Picture out;
   out.format = header.format;
   out.bits = header.bits;
+  const bool linear = format == PictureFormat::kPng && isLinearPng(file);
   std::visit(
       [&](auto samples) {
         using T = typename std::decay_t<decltype(samples.texels())>::value_type;
-        if constexpr (std::is_integral_v<T>) out.saturated_fraction = shareAtTop(samples.texels());
+        if constexpr (std::is_integral_v<T>) {
+          out.saturated_fraction = shareAtTop(samples.texels());
+          if (linear) {
+            out.linear = scaled(samples);
+            return;
+          }
+        }
         out.linear = linearOf(std::move(samples));
       },
       decodeSamples(file, header));

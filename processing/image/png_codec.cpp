@@ -7,9 +7,12 @@
 #include <cstring>
 
 #include "processing/image/codecs.h"
+#include "processing/image/linear_png.h"
 
 namespace patina {
 namespace {
+
+constexpr png_fixed_point kGammaOne = 100'000;
 
 struct Errors {
   char message[120] = "";
@@ -85,7 +88,7 @@ Image<T> decodeAs(std::span<const std::byte> file, const PictureHeader& header) 
 }
 
 bool runEncode(png_structp png, png_infop info, Bytes& out, SizePx size, int channels, int bits,
-               png_const_bytep first_row, std::ptrdiff_t stride_bytes) {
+               Encoding encoding, png_const_bytep first_row, std::ptrdiff_t stride_bytes) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_write_fn(png, &out, writeSome, flushNothing);
   // A third of the time of the default level for a few per cent of size.
@@ -94,6 +97,7 @@ bool runEncode(png_structp png, png_infop info, Bytes& out, SizePx size, int cha
                static_cast<png_uint_32>(size.height), bits,
                channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (encoding == Encoding::kLinear) png_set_gAMA_fixed(png, info, kGammaOne);
   png_write_info(png, info);
   if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
   for (int y = 0; y < size.height; ++y) png_write_row(png, first_row + y * stride_bytes);
@@ -102,7 +106,7 @@ bool runEncode(png_structp png, png_infop info, Bytes& out, SizePx size, int cha
 }
 
 template <class T>
-Bytes encodeAs(ImageView<const T> in) {
+Bytes encodeAs(ImageView<const T> in, Encoding encoding) {
   if (in.empty() || (in.channels != 1 && in.channels != 3))
     throw ProcessingError(Exit::kUsage, "a PNG has 1 or 3 channels and at least one pixel");
   Bytes out;
@@ -111,7 +115,7 @@ Bytes encodeAs(ImageView<const T> in) {
   PATINA_CHECK(png != nullptr);
   png_infop info = png_create_info_struct(png);
   const bool good = info && runEncode(png, info, out, in.size(), in.channels, sizeof(T) * 8,
-                                      reinterpret_cast<png_const_bytep>(in.data),
+                                      encoding, reinterpret_cast<png_const_bytep>(in.data),
                                       in.row_stride * static_cast<std::ptrdiff_t>(sizeof(T)));
   png_destroy_write_struct(&png, &info);
   if (!good)
@@ -130,7 +134,28 @@ Samples decodePng(std::span<const std::byte> file, const PictureHeader& header) 
 
 }  // namespace codecs
 
-Bytes encodePng(ImageView<const std::uint8_t> srgb) { return encodeAs(srgb); }
-Bytes encodePng(ImageView<const std::uint16_t> samples) { return encodeAs(samples); }
+Bytes encodePng(ImageView<const std::uint8_t> srgb) { return encodeAs(srgb, Encoding::kSrgb); }
+Bytes encodePng(ImageView<const std::uint16_t> samples) {
+  return encodeAs(samples, Encoding::kSrgb);
+}
+Bytes encodeLinearPng(ImageView<const std::uint16_t> linear) {
+  return encodeAs(linear, Encoding::kLinear);
+}
+
+bool isLinearPng(std::span<const std::byte> file) {
+  const auto number = [&](std::size_t at) {
+    std::uint32_t v = 0;
+    for (std::size_t i = 0; i < 4; ++i) v = v << 8 | std::to_integer<std::uint32_t>(file[at + i]);
+    return v;
+  };
+  constexpr std::uint32_t kGama = 0x67414D41, kIdat = 0x49444154;  // names of chunks
+  for (std::size_t at = 8; at + 12 <= file.size();) {
+    const std::uint32_t length = number(at), name = number(at + 4);
+    if (name == kIdat) return false;
+    if (name == kGama && length == 4) return number(at + 8) == kGammaOne;
+    at += 12 + std::size_t{length};
+  }
+  return false;
+}
 
 }  // namespace patina

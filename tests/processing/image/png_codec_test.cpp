@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "processing/image/codecs.h"
+#include "processing/image/linear_png.h"
 #include "tests/processing/image/samples.h"
 #include "tests/support/places.h"
 
@@ -30,6 +31,18 @@ TEST(EncodePng, ReadsRowsOfACropAndRefusesTwoChannels) {
   const auto crop = whole.view().crop({8, 8, 32, 32});
   EXPECT_EQ(encodePng(crop), encodePng(copyOf(crop).view()));
   EXPECT_THROW(encodePng(Image<std::uint8_t>(4, 4, 2).view()), ProcessingError);
+}
+
+TEST(EncodeLinearPng, IsReadAsLinearLightAndAPlainOneAsSrgb) {
+  Image<std::uint16_t> half(4, 3, 1, 32768);
+  half.at(0, 0) = 65535;
+  const Bytes linear = encodeLinearPng(std::as_const(half).view());
+  EXPECT_TRUE(isLinearPng(linear));
+  EXPECT_NEAR(decodePicture(linear).linear.at(1, 1), 0.5, 1e-4);
+  EXPECT_NEAR(decodePicture(linear).saturated_fraction, 1.0 / 12, 1e-9);
+  const Bytes plain = encodePng(std::as_const(half).view());
+  EXPECT_FALSE(isLinearPng(plain));
+  EXPECT_NEAR(decodePicture(plain).linear.at(1, 1), 0.2140, 1e-3);
 }
 
 TEST(DecodePng, RefusesAWrongCheckSum) {
