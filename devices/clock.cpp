@@ -13,6 +13,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "devices/suspended.h"
 #include "processing/image/failure.h"
 
 namespace patina::devices {
@@ -106,6 +107,14 @@ Wake RealClock::sleepUntil(MonoTime due, std::stop_token stop) {
   thread_local Sleeper sleeper;
   sleeper.drain();
   return sleeper.sleepUntil(due, stop);
+}
+
+Nanoseconds sleptSinceBoot() {
+  // The one read in the middle of two, so that being put aside between them does not count.
+  const std::int64_t before = readClockNs(CLOCK_MONOTONIC);
+  const std::int64_t boot = readClockNs(CLOCK_BOOTTIME);
+  const std::int64_t after = readClockNs(CLOCK_MONOTONIC);
+  return Nanoseconds{boot - before - (after - before) / 2};
 }
 
 VirtualClock::VirtualClock(UtcTime utc, MonoTime mono, std::string boot_id)

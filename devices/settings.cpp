@@ -55,6 +55,22 @@ std::string Settings::takeChoice(const std::string& key, const std::vector<std::
   return *value;
 }
 
+std::string Settings::takeText(const std::string& key, const std::string& fallback) {
+  const std::string* value = find(key);
+  return value ? *value : fallback;
+}
+
+std::map<std::string, std::string> Settings::takePrefixed(const std::string& prefix) {
+  std::map<std::string, std::string> taken;
+  for (const auto& [key, value] : values_) {
+    if (!key.starts_with(prefix) || key == prefix) continue;
+    known_.insert(key);
+    taken.emplace(key.substr(prefix.size()), value);
+  }
+  known_.insert(prefix + "NAME");
+  return taken;
+}
+
 int Settings::takeInteger(const std::string& key, int least, int most, int fallback) {
   const double v = takeNumber(key, least, most, fallback);
   if (v != std::floor(v)) reject(key, text(v) + " is not a whole number");

@@ -21,15 +21,18 @@ class Settings {
            std::filesystem::path source);
 
   std::string takeChoice(const std::string& key, const std::vector<std::string>& choices);  // first
+  std::string takeText(const std::string& key, const std::string& fallback);
+  // All keys that begin so, without the prefix.
+  std::map<std::string, std::string> takePrefixed(const std::string& prefix);
   int takeInteger(const std::string& key, int least, int most, int fallback);
   double takeNumber(const std::string& key, double least, double most, double fallback);
   Nanoseconds takeExposure(const std::string& key, Nanoseconds fallback);
   std::array<double, 3> takePosition(const std::string& key, std::array<double, 3> fallback);
   void finish() const;
+  [[noreturn]] void reject(const std::string& key, const std::string& problem) const;
 
  private:
   const std::string* find(const std::string& key);
-  [[noreturn]] void reject(const std::string& key, const std::string& problem) const;
 
   const std::map<std::string, std::string>& values_;
   std::set<std::string> known_;

@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "devices/suspended.h"
+
 namespace patina::devices {
 namespace {
 
@@ -190,6 +192,13 @@ TEST(RealClock, BelongsToOneBootAndKnowsIt) {
   EXPECT_EQ(clock.bootId(), RealClock().bootId());
   EXPECT_GT(toNs(clock.mono()), 0);
   EXPECT_GT(clock.utc(), utcFromNs(0));
+}
+
+// A machine that does not sleep during the test has slept as long after it as before.
+TEST(SleptSinceBoot, IsNoTimeThatTheMachineWasAwake) {
+  const Nanoseconds before = sleptSinceBoot();
+  EXPECT_GT(before, -1ms);
+  for (int i = 0; i < 1000; ++i) EXPECT_LT(std::chrono::abs(sleptSinceBoot() - before), 1s);
 }
 
 }  // namespace
