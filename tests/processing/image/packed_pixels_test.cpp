@@ -52,7 +52,7 @@ TEST(PackedPixels, ARowThatEndsWithinAGroupIsWhole) {
 
 TEST(PackedPixels, BitStreamsRunFromTheHighBit) {
   // 1111111111 0000000001 1000000000 0000000011
-  EXPECT_THAT(samples(PixelLayout::kBitStream, 10, 4, {0xFF, 0xC0, 0x06, 0x00, 0x03}),
+  EXPECT_THAT(samples(PixelLayout::kBitStream, 10, 4, {0xFF, 0xC0, 0x18, 0x00, 0x03}),
               ElementsAre(0x3FF, 0x001, 0x200, 0x003));
 }
 
