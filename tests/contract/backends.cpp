@@ -5,8 +5,12 @@
 
 #include "capture/app/rig/host_devices.h"
 #include "devices/fault/faulty_devices.h"
+#include "devices/network/network.h"
 #include "devices/twin/twin.h"
+#include "devices/v4l2/v4l2_camera.h"
 #include "tests/contract/stub_devices.h"
+#include "tests/support/loopback/snapshots.h"
+#include "tests/support/v4l2/v4l2_testbed.h"
 
 namespace patina::testing {
 namespace {
@@ -59,6 +63,63 @@ RigUnderTest makeHostedTwin() {
   return made;
 }
 
+CameraSpec camera(const char* backend, std::map<std::string, std::string> settings) {
+  CameraSpec spec;
+  spec.id = "cam0";
+  spec.backend = backend;
+  spec.settings = std::move(settings);
+  return spec;
+}
+
+// The other devices of these rigs are the stub's.
+RigUnderTest withCamera(std::unique_ptr<Camera> (*make)(Clock&, std::shared_ptr<void>&),
+                        Nanoseconds lag) {
+  RigUnderTest made = makeStub();
+  made.lag = lag;
+  made.rig.cameras.clear();
+  made.rig.cameras.push_back(make(*made.clock, made.world));
+  return made;
+}
+
+// The simulated driver's frames come in virtual time too: the clock moves while the camera waits.
+struct V4l2World {
+  explicit V4l2World(Clock& clock) : webcam(clock) { testbed.plugIn(webcam, 0, 1); }
+  SimulatedCamera webcam;
+  V4l2Testbed testbed;
+};
+
+RigUnderTest makeV4l2() {
+  return withCamera(
+      [](Clock& clock, std::shared_ptr<void>& world) -> std::unique_ptr<Camera> {
+        world = std::make_shared<V4l2World>(clock);
+        return std::make_unique<v4l2::V4l2Camera>(
+            camera("v4l2", {{"size", "64x48"}, {"exposure_max", "500ms"}}), "rig.toml", clock,
+            [] { return Nanoseconds{}; });
+      },
+      2s);
+}
+
+// The answers take real time, of which the virtual clock knows nothing.
+struct SnapshotWorld {
+  std::uint64_t number = 0;
+  LoopbackServer server{[this](Peer& peer) {
+    peer.receiveHead();
+    peer.send(ok(jpeg(++number)));
+  }};
+};
+
+RigUnderTest makeNetworkSnapshot() {
+  return withCamera(
+      [](Clock& clock, std::shared_ptr<void>& world) {
+        auto server = std::make_shared<SnapshotWorld>();
+        world = server;
+        return network::makeCamera(camera("network", {{"url", "http://" + server->server.address()},
+                                                      {"fixed_exposure", "1/100"}}),
+                                   "rig.toml", clock);
+      },
+      2s);
+}
+
 }  // namespace
 
 RigUnderTest makeWithFaults(const Backend& backend, const FaultPlan& plan) {
@@ -76,6 +137,8 @@ std::vector<Backend> bareBackends() {
 std::vector<Backend> bareAndWrappedBackends() {
   std::vector<Backend> all = bareBackends();
   all.push_back({"HostedTwin", makeHostedTwin});
+  all.push_back({"NetworkSnapshot", makeNetworkSnapshot});
+  if (underUmockdev()) all.push_back({"V4l2", makeV4l2});
   FaultPlan far;
   for (const char* device : {"cam0", "key", "lux0"}) {
     for (const FaultKind kind : {FaultKind::kLost, FaultKind::kHang, FaultKind::kStaleFrame}) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "devices/clock.h"
@@ -16,10 +17,17 @@
 
 namespace patina::testing {
 
-// Devices as their maker leaves them: closed. The clock outlives them.
+// Devices as their maker leaves them: closed. Clock and world outlive them.
 struct RigUnderTest {
+  RigUnderTest() = default;
+  RigUnderTest(std::unique_ptr<devices::VirtualClock> with_clock, devices::Rig with_rig)
+      : clock(std::move(with_clock)), rig(std::move(with_rig)) {}
+
   std::unique_ptr<devices::VirtualClock> clock;
+  std::shared_ptr<void> world;  // what is below the devices: a simulated driver, a server
   devices::Rig rig;
+  // A camera that streams or waits: so long after the trigger may the light of its picture begin.
+  Nanoseconds lag{};
 };
 
 struct Backend {
@@ -31,7 +39,8 @@ inline void PrintTo(const Backend& backend, std::ostream* out) { *out << backend
 
 // In this process: cheap enough for thousands of shots.
 std::vector<Backend> bareBackends();
-// Each bare one, a hosted one, and each again in decorators whose faults lie years ahead.
+// Each bare one, also in decorators whose faults lie years ahead; a hosted one, a network camera
+// and, under umockdev-wrapper as CTest starts the suite, one of V4L2.
 std::vector<Backend> bareAndWrappedBackends();
 // One rig of `backend` whose every device has the faults of `plan` that name it, from now on.
 RigUnderTest makeWithFaults(const Backend& backend, const devices::FaultPlan& plan);

@@ -12,6 +12,7 @@ namespace {
 
 using namespace patina::devices;
 using namespace std::chrono_literals;
+using ::testing::AnyOf;
 using ::testing::Contains;
 
 class CameraContract : public ::testing::TestWithParam<Backend> {
@@ -22,6 +23,7 @@ class CameraContract : public ::testing::TestWithParam<Backend> {
   }
   Camera& camera() { return *camera_; }
   VirtualClock& clock() { return *made_.clock; }
+  Nanoseconds lag() const { return made_.lag; }
 
   void open() { ASSERT_THAT(camera().recover(Rung::kReopen), IsOk()); }
   MonoTime enough() { return clock().mono() + Exposure{}.time + camera().caps().cycle + 10s; }
@@ -53,9 +55,9 @@ TEST_P(CameraContract, KnowsWhatItIsBeforeItIsOpened) {
   const CameraCaps& caps = camera().caps();
   EXPECT_EQ(caps.id, "cam0");
   EXPECT_FALSE(caps.model.empty());
-  EXPECT_GT(caps.size.width, 0);
-  EXPECT_GT(caps.size.height, 0);
-  EXPECT_GT(caps.bits, 0);
+  EXPECT_GE(caps.size.width, 0);  // 0x0 and 0 bits: learned from the first picture
+  EXPECT_EQ(caps.size.width > 0, caps.size.height > 0);
+  EXPECT_GE(caps.bits, 0);
   EXPECT_FALSE(caps.extensions.empty());
   EXPECT_GT(caps.exposure_min, 0ns);
   EXPECT_LE(caps.exposure_min, caps.exposure_max);
@@ -124,7 +126,9 @@ TEST_P(CameraContract, APictureIsWhatTheCapsPromise) {
     EXPECT_EQ(frame.ext, caps.extensions[i]);
     EXPECT_EQ(frame.sequence, 1u);
     EXPECT_EQ(extensionOf(sniffFormat(frame.bytes)), frame.ext);
-    EXPECT_EQ(readPictureHeader(frame.bytes).size, caps.size);
+    if (caps.size.width > 0) {
+      EXPECT_EQ(readPictureHeader(frame.bytes).size, caps.size);
+    }
     EXPECT_NO_THROW(decodePicture(frame.bytes));
     if (frame.declared_bytes) {
       EXPECT_EQ(*frame.declared_bytes, static_cast<std::int64_t>(frame.bytes.size()));
@@ -169,10 +173,16 @@ TEST_P(CameraContract, ADeadlineInThePastIsATimeoutAtOnce) {
 
 TEST_P(CameraContract, EveryRungRecoversAReadyCameraAnyNumberOfTimes) {
   open();
-  for (const Rung rung :
-       {Rung::kRetry, Rung::kDrain, Rung::kReopen, Rung::kReset, Rung::kPowerCycle}) {
+  for (const Rung rung : {Rung::kRetry, Rung::kDrain, Rung::kReopen}) {
     EXPECT_THAT(camera().recover(rung), IsOk()) << name(rung);
     EXPECT_THAT(camera().recover(rung), IsOk()) << name(rung);
+  }
+  // What a driver cannot do itself it says, and changes nothing.
+  for (const Rung rung : {Rung::kReset, Rung::kPowerCycle}) {
+    for (int i = 0; i < 2; ++i) {
+      const Result<void> done = camera().recover(rung);
+      EXPECT_TRUE(done || done.error().code == Errc::kUnsupported) << name(rung);
+    }
   }
   EXPECT_FALSE(shoot(1).empty());
 }
@@ -190,7 +200,7 @@ TEST_P(CameraContract, ConfigureSaysWhatTheHardwareDidAndNeverAdjustsInSilence) 
   open();
   const CameraCaps& caps = camera().caps();
   Exposure exposure;
-  exposure.time = caps.exposure_min * 3;
+  exposure.time = std::min(caps.exposure_min * 3, caps.exposure_max);
   const Result<Applied> applied = camera().configure(exposure);
   ASSERT_THAT(applied, IsOk());
   EXPECT_GE(applied->exposure.time, caps.exposure_min);
@@ -201,7 +211,8 @@ TEST_P(CameraContract, ConfigureSaysWhatTheHardwareDidAndNeverAdjustsInSilence) 
 TEST_P(CameraContract, ASettingItCannotDoIsRefusedAndTheOldOneStays) {
   open();
   Exposure kept;
-  kept.time = 20ms;
+  kept.time =
+      std::clamp<Nanoseconds>(20ms, camera().caps().exposure_min, camera().caps().exposure_max);
   ASSERT_THAT(camera().configure(kept), IsOk());
   std::vector<Exposure> impossible(5, kept);
   impossible[0].time = camera().caps().exposure_max + 1s;
@@ -210,11 +221,14 @@ TEST_P(CameraContract, ASettingItCannotDoIsRefusedAndTheOldOneStays) {
   impossible[3].iso = Iso{-100};
   impossible[4].f_number = FNumber{0};
   for (const Exposure& exposure : impossible) {
-    EXPECT_THAT(camera().configure(exposure), Fails(Errc::kRefused));
+    const Result<Applied> answer = camera().configure(exposure);
+    ASSERT_FALSE(answer);
+    EXPECT_THAT(answer.error().code, AnyOf(Errc::kRefused, Errc::kUnsupported));
   }
   const MonoTime before = clock().mono();
   const std::vector<RawFrame> frames = shoot(1);
-  EXPECT_EQ(frames.at(0).mono - before, kept.time / 2);
+  EXPECT_GE(frames.at(0).mono - before, kept.time / 2);
+  EXPECT_LE(frames.at(0).mono - before, kept.time / 2 + lag());
 }
 
 TEST_P(CameraContract, AReleasedFrameCanBeReleasedAgain) {
