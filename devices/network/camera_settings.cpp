@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "devices/config_file.h"
+#include "devices/descriptor.h"
 #include "devices/settings.h"
 
 namespace patina::devices::network {
@@ -18,18 +18,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kSecretBytesMost = 1024;
-
-struct OpenFile {
-  // Without blocking, should it be a pipe.
-  explicit OpenFile(const std::string& file)
-      : fd(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
-  ~OpenFile() {
-    if (fd >= 0) close(fd);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  int fd;
-};
 
 class Reading {
  public:
@@ -75,15 +63,16 @@ std::optional<double> Reading::takeFixed(const std::string& key, double most) {
 
 // No message repeats what it holds.
 std::string Reading::readSecret(const std::string& file) const {
-  const OpenFile opened(file);
+  // Without blocking, should it be a pipe.
+  const Descriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat is {};
-  if (opened.fd < 0 || fstat(opened.fd, &is) != 0)
+  if (opened.fd() < 0 || fstat(opened.fd(), &is) != 0)
     settings_.reject("credentials", file + " cannot be read: " + std::strerror(errno));
   if (!S_ISREG(is.st_mode)) settings_.reject("credentials", file + " is no regular file");
   if ((is.st_mode & (S_IRWXG | S_IRWXO)) != 0)
     settings_.reject("credentials", file + " can be read by others: chmod 600 " + file);
   std::string text(kSecretBytesMost + 1, '\0');
-  const ssize_t got = read(opened.fd, text.data(), text.size());
+  const ssize_t got = read(opened.fd(), text.data(), text.size());
   text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
   if (text.size() > kSecretBytesMost || text.find(':') == std::string::npos ||

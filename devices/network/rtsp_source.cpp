@@ -150,7 +150,8 @@ Result<Fetched> Connection::keyFrame(MonoTime not_before) {
     bytes += static_cast<std::uint64_t>(packet->size);
     const bool whole = (packet->flags & AV_PKT_FLAG_CORRUPT) == 0;
     const bool key = packet->stream_index == stream_ && (packet->flags & AV_PKT_FLAG_KEY) != 0;
-    if (key && whole && arrived >= not_before && skip-- <= 0) return decode(*packet, arrived);
+    const bool kept_one = key && whole && skip-- > 0;
+    if (key && whole && !kept_one && arrived >= not_before) return decode(*packet, arrived);
     av_packet_unref(packet.get());
     if (bytes > settings_.bytes_max)
       return fail(Errc::kCorrupt, settings_.who + ": no key frame within settings.bytes_max, " +

@@ -114,31 +114,32 @@ std::string listed(const std::vector<AttachedNode>& nodes) {
 }
 
 Result<AttachedNode> locate(const Identity& identity, const std::string& who) {
-  std::vector<AttachedNode> nodes = captureNodes();
+  std::vector<AttachedNode> nodes = attachedNodes();
   const auto keep = [&](const auto& fits) {
     std::erase_if(nodes, [&](const AttachedNode& node) { return !fits(node); });
   };
   const bool by_number = identity.device.rfind("/dev/video", 0) == 0;
+  if (by_number) keep(captures);
   if (by_number && nodes.size() > 1)
     return fail(Errc::kRefused,
                 who + ": " + identity.device +
                     " is another camera tomorrow; name it by its serial or by settings.device, "
                     "one of: " +
                     listed(nodes));
-  if (by_number) {
-    keep([&](const AttachedNode& node) { return node.path == identity.device; });
-  } else if (!identity.device.empty()) {
+  std::string wanted = "a camera of no name";
+  if (!identity.device.empty()) {
+    wanted = "'" + identity.device + "'";
     keep([&](const AttachedNode& node) {
-      return std::find(node.stable.begin(), node.stable.end(), identity.device) !=
-             node.stable.end();
+      return by_number ? node.path == identity.device
+                       : std::find(node.stable.begin(), node.stable.end(), identity.device) !=
+                             node.stable.end();
     });
   }
-  std::string wanted = "a camera of no name";
-  if (!identity.device.empty()) wanted = "'" + identity.device + "'";
   if (!identity.serial.empty()) {
-    keep([&](const AttachedNode& node) { return node.serial == identity.serial; });
     wanted = (identity.device.empty() ? "a camera" : wanted) + " with serial " + identity.serial;
+    keep([&](const AttachedNode& node) { return node.serial == identity.serial; });
   }
+  keep(captures);  // last: it opens them, and those of other cameras may be at work
   return oneCamera(std::move(nodes), who, wanted);
 }
 

@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "devices/config_file.h"
 #include "devices/settings.h"
 #include "devices/v4l2/controls.h"
 

@@ -3,6 +3,8 @@
 
 #include <linux/videodev2.h>
 
+#include <algorithm>
+
 #include "devices/suspended.h"
 #include "devices/v4l2/picture.h"
 #include "devices/v4l2/v4l2.h"
@@ -186,8 +188,11 @@ Result<std::optional<V4l2Camera::Good>> V4l2Camera::look(const Filled& filled) {
                     ": the driver does not stamp its frames by CLOCK_MONOTONIC: none "
                     "can be told from an older one");
   const Nanoseconds interval = std::max(opened_->format.interval, exposure_.time);
+  // Some drivers stamp the end that a frame is to have and hand it over before: vivid does.
+  FrameStamp stamp = filled.stamp;
+  stamp.at = std::min(stamp.at, monotonicNow());
   const ExposureWindow window =
-      exposureWindow(filled.stamp, exposure_.time, interval, settings_.pipeline_frames);
+      exposureWindow(stamp, exposure_.time, interval, settings_.pipeline_frames);
   if (opened_->gate.judge(filled.sequence, window) != FrameGate::Verdict::kTake)
     return std::optional<Good>{};
   auto good = develop(filled, window);
@@ -280,17 +285,10 @@ Result<std::vector<CameraEvent>> V4l2Camera::poll() {
 }
 
 Result<void> V4l2Camera::recover(Rung rung) {
-  switch (rung) {
-    case Rung::kReopen:
-      return open();
-    case Rung::kReset:
-    case Rung::kPowerCycle:
-      return fail(Errc::kUnsupported, settings_.who + ": " + name(rung) + " is not this driver's");
-    case Rung::kRetry:
-    case Rung::kDrain:
-      break;
-  }
-  if (state_ == State::kClosed || state_ == State::kLost) return open();
+  if (rung == Rung::kPowerCycle)
+    return fail(Errc::kUnsupported, settings_.who + ": its power is not this driver's");
+  // The reset of a bus is not this driver's either: opening is what is left of it.
+  if (rung >= Rung::kReopen || state_ == State::kClosed || state_ == State::kLost) return open();
   state_ = State::kReady;
   opened_->gate.pause();
   if (rung == Rung::kDrain && opened_->stream)

@@ -4,11 +4,16 @@
 #include <algorithm>
 
 #include "capture/failure.h"
+#include "devices/network/network.h"
+#include "devices/v4l2/v4l2.h"
 
 namespace patina::rig {
 
 const std::vector<Backend>& backends() {
-  static const std::vector<Backend> kBackends{};
+  static const std::vector<Backend> kBackends{
+      {"network", devices::network::makeCamera, {}, {}, {}, {}},
+      {"v4l2", devices::v4l2::makeCamera, {}, {}, {}, devices::v4l2::find},
+  };
   return kBackends;
 }
 

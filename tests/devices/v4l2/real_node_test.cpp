@@ -36,6 +36,8 @@ class RealNode : public ::testing::Test {
     spec.backend = "v4l2";
     spec.settings = std::move(settings);
     spec.settings["device"] = device_;
+    spec.settings["warm_up_frames"] = "2";  // under emulation each takes its time
+    spec.settings["settle_frames"] = "1";
     if (!v4l2::controlFacts(node(), V4L2_CID_EXPOSURE_ABSOLUTE))
       spec.settings["fixed_exposure"] = "1/30";
     if (!spec.settings.contains("size") && !spec.settings.contains("format")) small(spec.settings);
