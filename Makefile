@@ -3,7 +3,7 @@
 JOBS ?= $(shell nproc)
 export CTEST_PARALLEL_LEVEL ?= $(JOBS)
 
-.PHONY: all packages build demo test test-long test-powercut test-asan test-tsan fuzz bench lint clean
+.PHONY: all packages build demo test test-long test-powercut test-guest test-asan test-tsan fuzz bench lint clean
 
 all: build
 
@@ -26,6 +26,13 @@ test-long: build
 # 5,000 power cuts on ext4 and XFS under the program itself: root, /dev/fuse and loop devices.
 test-powercut: build
 	@ctest --preset long -L '^powercut$$' -V
+
+# Real kernel drivers on simulated hardware, in an emulated machine. The first run fetches a kernel (70 MB) and its source
+# (140 MB) into build/guest.
+test-guest: build
+	@packaging/install-packages.sh guest
+	@cmake --build --preset dev -j $(JOBS) --target guest-programs
+	@ctest --preset guest
 
 # SECONDS=900 make fuzz: each reader of others' bytes for so much processor time under libFuzzer.
 SECONDS ?= 60

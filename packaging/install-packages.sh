@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# install-packages.sh [lint | fuzz]   installs what is missing of Debian 12; silent when all is there. Never asks.
+# install-packages.sh [lint | fuzz | guest]   installs what is missing of Debian 12; silent when all is there. Never asks.
 # docs/dependencies.md says why each package is here; tests/house compares the two lists.
 packages='
   ccache cmake e2fsprogs g++ git gphoto2 libavcodec-dev libavformat-dev libavutil-dev libbenchmark-dev libcamera-dev libcli11-dev
@@ -13,9 +13,11 @@ packages='
   python3-h5py umockdev xfsprogs'
 lint_packages='clang-format clang-tidy'
 fuzz_packages='clang-14 libclang-rt-14-dev'
+guest_packages='busybox-static cpio kmod libcamera-ipa libelf1 qemu-system-x86 udev xz-utils'
 
 [ "$1" = lint ] && packages="$packages $lint_packages"
 [ "$1" = fuzz ] && packages="$packages $fuzz_packages"
+[ "$1" = guest ] && packages="$packages $guest_packages"
 
 # One query for all; "install ok installed" or "hold ok installed" is there, whatever the architecture.
 present=" $(dpkg-query -W -f '${Package}=${db:Status-Status} ' $packages 2>/dev/null)"

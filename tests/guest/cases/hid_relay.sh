@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The backend usb on a HID relay board: a gadget of this kernel behind its own host stack.
+need_program guest_relay_test
+modprobe -a dummy_hcd libcomposite usb_f_fs usbhid
+mount -t configfs configfs /sys/kernel/config 2>/dev/null
+gtests guest_relay_test '*'
