@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "capture/failure.h"
+#include "devices/libcamera/libcamera_devices.h"
 #include "devices/network/network.h"
 #include "devices/v4l2/v4l2.h"
 

@@ -21,11 +21,11 @@ struct Backend {
   using Maker = std::function<std::unique_ptr<Device>(const Spec&, const std::filesystem::path& rig,
                                                       devices::Clock&)>;
   std::string name;
-  Maker<devices::Camera, devices::CameraSpec> camera;
-  Maker<devices::Light, devices::LightSpec> light;
-  Maker<devices::Sensor, devices::SensorSpec> sensor;
-  Maker<devices::Trigger, devices::TriggerSpec> trigger;
-  std::function<std::vector<devices::FoundDevice>()> find;
+  Maker<devices::Camera, devices::CameraSpec> camera{};
+  Maker<devices::Light, devices::LightSpec> light{};
+  Maker<devices::Sensor, devices::SensorSpec> sensor{};
+  Maker<devices::Trigger, devices::TriggerSpec> trigger{};
+  std::function<std::vector<devices::FoundDevice>()> find{};
 };
 
 const std::vector<Backend>& backends();
