@@ -174,6 +174,40 @@ TEST_F(PtpIpServerTest, EndsAtOnceWhateverItsClientIsWaitingFor) {
   EXPECT_NE(client.commands.error, EAGAIN);
 }
 
+// A client of little patience that starts anew after every failure.
+TEST_F(PtpIpServerTest, KeepsItsTruthThroughEveryKindOfTrouble) {
+  constexpr int kPatienceMs = 30;
+  camera_.misbehave(11, 0.08, 20ms);
+  std::unique_ptr<WireClient> client;
+  for (int shot = 0; shot < 150; ++shot) {
+    for (int i = 0; i < 100 && !(client && client->is_open); ++i)
+      client = std::make_unique<WireClient>(port());
+    client->send(Operation::kInitiateCapture);
+    bool good = client->answer(kPatienceMs) == Answer::kOk;
+    const std::uint32_t file = good ? client->nextFile(kPatienceMs) : 0;
+    for (const Operation operation : {Operation::kGetObject, Operation::kDeleteObject}) {
+      if (!good || file == 0) break;
+      client->send(operation, {file});
+      good = client->answer(kPatienceMs) == Answer::kOk;
+    }
+    if (!good) client.reset();
+  }
+  client.reset();
+  camera_.behave();
+  ASSERT_TRUE(opensForANewClient());
+  const Truth truth = camera_.truth();
+  EXPECT_GT(truth.faults.size(), 20u);
+  EXPECT_GT(truth.pictures.size(), 50u);
+  WireClient last(port());
+  for (int i = 0; i < 100 && !last.is_open; ++i) last = WireClient(port());
+  for (const TruePicture& picture : truth.pictures)
+    for (const TrueFile& file : picture.files) {
+      const auto answer = last.ask(Operation::kGetObject, {file.handle});
+      EXPECT_EQ(answer, file.deleted_utc ? Answer::kInvalidObjectHandle : Answer::kOk);
+      EXPECT_TRUE(file.deleted_utc || sha256(last.data) == file.hash) << file.name;
+    }
+}
+
 TEST(PtpIpServerAddress, IsRefusedWhenItIsNoneOrTaken) {
   RealClock clock;
   Dslr camera(dslrWorld(clock), {});
