@@ -86,6 +86,22 @@ double Settings::takeNumber(const std::string& key, double least, double most, d
   return v;
 }
 
+Nanoseconds Settings::takeDuration(const std::string& key, Nanoseconds least, Nanoseconds most,
+                                   Nanoseconds fallback) {
+  const std::string* value = find(key);
+  if (!value) return fallback;
+  Nanoseconds duration{};
+  try {
+    duration = parseDuration(*value);
+  } catch (const Failure& problem) {
+    reject(key, problem.what());
+  }
+  if (duration < least || duration > most)
+    reject(key, *value + " is out of range (" + formatDuration(least) + " to " +
+                    formatDuration(most) + ")");
+  return duration;
+}
+
 Nanoseconds Settings::takeExposure(const std::string& key, Nanoseconds fallback) {
   const std::string* value = find(key);
   if (!value) return fallback;

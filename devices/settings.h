@@ -26,6 +26,8 @@ class Settings {
   std::map<std::string, std::string> takePrefixed(const std::string& prefix);
   int takeInteger(const std::string& key, int least, int most, int fallback);
   double takeNumber(const std::string& key, double least, double most, double fallback);
+  Nanoseconds takeDuration(const std::string& key, Nanoseconds least, Nanoseconds most,
+                           Nanoseconds fallback);
   Nanoseconds takeExposure(const std::string& key, Nanoseconds fallback);
   std::array<double, 3> takePosition(const std::string& key, std::array<double, 3> fallback);
   void finish() const;

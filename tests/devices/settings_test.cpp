@@ -52,5 +52,24 @@ TEST(Settings, NumbersWithTailsAndFractionsAreRefused) {
   EXPECT_THROW(s.takePosition("position_mm", {}), ConfigError);
 }
 
+TEST(Settings, TextIsTakenAsItStands) {
+  const Values values{{"on", " REL1\\n "}};
+  Settings s(values, "light 'key'", "rig.toml");
+  EXPECT_EQ(s.takeText("on", ""), " REL1\\n ");
+  EXPECT_EQ(s.takeText("off", "x"), "x");
+  s.finish();
+}
+
+TEST(Settings, DurationsHaveAUnitAndARange) {
+  using namespace std::chrono_literals;
+  const Values values{{"pulse", "20ms"}, {"half", "9s"}, {"boot", "3"}};
+  Settings s(values, "trigger 'line'", "rig.toml");
+  EXPECT_EQ(s.takeDuration("pulse", 1ms, 5s, 1s), 20ms);
+  EXPECT_EQ(s.takeDuration("timeout", 1ms, 5s, 1s), 1s);
+  EXPECT_NE(messageOf([&] { s.takeDuration("half", 0s, 5s, 0s); }).find("9s is out of range (0"),
+            std::string::npos);
+  EXPECT_NE(messageOf([&] { s.takeDuration("boot", 0s, 5s, 0s); }), "no error");
+}
+
 }  // namespace
 }  // namespace patina::devices
