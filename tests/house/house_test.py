@@ -13,6 +13,7 @@ import unittest
 import budget
 import layering
 import packages
+import udev_rules
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SPDX = "// SPDX-License-Identifier: GPL-3.0-or-later\n"
@@ -235,6 +236,33 @@ class Packages(Planted):
         self.plant("docs/dependencies.md", "| `a-dev` | why |\n| `c` | why |\n| `d` | why |\n")
         found = packages.check(self.root)
         self.assertEqual([line.split(":")[0] for line in found], ["b-dev", "d"])
+
+
+class UdevRules(unittest.TestCase):
+    def assertRejected(self, rule, why):
+        found = udev_rules.check(rule)
+        self.assertEqual(len(found), 1, found)
+        self.assertIn(why, found[0])
+
+    def test_rejects_what_everyone_may_write(self):
+        self.assertRejected('SUBSYSTEM=="usb", MODE="0666"', "lets everyone write")
+        self.assertRejected('SUBSYSTEM=="usb", MODE="0662"', "lets everyone write")
+        self.assertRejected('SUBSYSTEM=="usb", MODE="660"', "four octal digits")
+
+    def test_rejects_a_rule_for_every_device(self):
+        self.assertRejected('GROUP="patina", MODE="0660"', "no match")
+        self.assertRejected('KERNEL!="x", GROUP="patina"', "no match")
+
+    def test_rejects_what_is_no_rule(self):
+        self.assertRejected('SUBSYSTEM=="usb", MODE=0660', "cannot be read")
+        self.assertRejected('SUBSYSTEM=="usb", ATTRS{idVendor}="16c0"', "cannot be set")
+        self.assertRejected('GROUP=="patina", SUBSYSTEM=="usb"', "cannot be matched")
+        self.assertRejected('SUBSYSTEM=="usb", RUN+="/bin/sh"', "cannot be set")
+        self.assertRejected('ACTION=="remove", GOTO="end"', "no such LABEL")
+
+    def test_reads_comments_continued_lines_and_commas_in_values(self):
+        self.assertEqual(udev_rules.check('# MODE="0666"\n\nSUBSYSTEM=="usb", \\\n  SYMLINK+="a,b", MODE="0660"\nLABEL="x"\n'), [])
+        self.assertIn("2:", udev_rules.check('# one\nMODE="0660"')[0])
 
 
 class InstallPackages(Planted):
