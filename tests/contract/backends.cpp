@@ -26,6 +26,7 @@ camera = [{ id = "cam0", backend = "twin", settings = { format = "FORMAT" } }]
 light = [{ id = "key", backend = "twin" }]
 sensor = [{ id = "lux0", backend = "twin", quantity = "illuminance" },
           { id = "air0", backend = "twin", quantity = "temperature" }]
+trigger = [{ id = "shutter", backend = "twin" }]
 [twin]
 size = "64x48"
 )";

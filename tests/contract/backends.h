@@ -39,6 +39,16 @@ inline void PrintTo(const Backend& backend, std::ostream* out) { *out << backend
 
 // In this process: cheap enough for thousands of shots.
 std::vector<Backend> bareBackends();
+// Lamps, triggers and sensors of real drivers, each on a simulated other end; no cameras.
+std::vector<Backend> lineBackends();
+// Those of them that have such devices: lineBackendsWith(&Rig::lights).
+template <class Devices>
+std::vector<Backend> lineBackendsWith(Devices devices::Rig::*kind) {
+  std::vector<Backend> those;
+  for (Backend& backend : lineBackends())
+    if (!(backend.make().rig.*kind).empty()) those.push_back(std::move(backend));
+  return those;
+}
 // Each bare one, also in decorators whose faults lie years ahead; a hosted one, a network camera
 // and, under umockdev-wrapper as CTest starts the suite, one of V4L2.
 std::vector<Backend> bareAndWrappedBackends();

@@ -69,6 +69,8 @@ TEST_P(LightContract, RefusesLevelsThatAreNoneAndStaysAsItWas) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, LightContract, ::testing::ValuesIn(bareAndWrappedBackends()),
                          backendName);
+INSTANTIATE_TEST_SUITE_P(Lines, LightContract, ::testing::ValuesIn(lineBackendsWith(&Rig::lights)),
+                         backendName);
 
 }  // namespace
 }  // namespace patina::testing

@@ -56,6 +56,8 @@ TEST_P(SensorContract, AReadingLiesInItsRangeAndWasTakenDuringTheCall) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, SensorContract, ::testing::ValuesIn(bareAndWrappedBackends()),
                          backendName);
+INSTANTIATE_TEST_SUITE_P(Lines, SensorContract,
+                         ::testing::ValuesIn(lineBackendsWith(&Rig::sensors)), backendName);
 
 }  // namespace
 }  // namespace patina::testing
