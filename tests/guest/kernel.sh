@@ -11,7 +11,7 @@ modules=$cache/modules
 mkdir -p "$cache/debs" "$modules"
 
 # The package that a metapackage stands for today: "linux-image-amd64 linux-image" -> linux-image-6.1.0-56-amd64
-resolve() { apt-cache depends "$1" 2>/dev/null | sed -n "s/^ *Depends: \($2-[0-9].*\)/\1/p" | head -n1; }
+resolve() { apt-cache depends "$1" 2>/dev/null | sed -n "s/^ *Depends: \($2-[0-9].*\)/\1/p" | sed -n 1p; }
 
 # fetch PACKAGE FOLDER: unpacks it below FOLDER.
 fetch() {
@@ -34,8 +34,8 @@ fetch_image() {
   ln -s "../image/lib/modules" "$cache/kernel/modules"
   # Unpacked here it need not be unpacked by the emulated processor: that saves half of the boot.
   local packed=$cache/image/boot/vmlinuz-$release offset
-  offset=$(grep -obUaP '\xfd7zXZ\x00' "$packed" | head -n1 | cut -d: -f1)
-  if ! tail -c "+$((offset + 1))" "$packed" | xz -dc --single-stream >"$cache/kernel/vmlinux"; then
+  offset=$(LC_ALL=C grep -obUaP -m1 '\xfd7zXZ\x00' "$packed" | LC_ALL=C cut -d: -f1 | sed -n 1p)
+  if ! xz -dc --single-stream < <(tail -c "+$((offset + 1))" "$packed") >"$cache/kernel/vmlinux"; then
     ln -sf "../image/boot/vmlinuz-$release" "$cache/kernel/vmlinux"
   fi
   echo "$release" >"$cache/kernel/release"
@@ -57,7 +57,7 @@ fetch_headers() {
   local headers=linux-headers-$release common=linux-headers-${release%-amd64}-common
   fetch "$headers" "$cache/headers"
   fetch "$common" "$cache/headers"
-  fetch "$(apt-cache depends "$headers" | sed -n 's/^ *Depends: \(linux-kbuild-.*\)/\1/p' | head -n1)" "$cache/headers"
+  fetch "$(apt-cache depends "$headers" | sed -n 's/^ *Depends: \(linux-kbuild-.*\)/\1/p' | sed -n 1p)" "$cache/headers"
   echo "include $cache/headers/usr/src/$common/Makefile" >"$cache/headers/usr/src/$headers/Makefile"
 }
 
