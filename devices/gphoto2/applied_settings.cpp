@@ -21,6 +21,20 @@ Result<std::string> matchTarget(Target target, const Choices& choices, const std
                   "; its choices are: " + listed(choices));
 }
 
+// To the library a refused value, and a camera that is busy, may be a setting that it has not; what
+// it answers to a write means little. Only what is read back counts.
+Result<void> writeAndRead(Session& session, const std::string& name, const std::string& value,
+                          const std::string& who) {
+  const auto done = session.write(name, value);
+  if (!done && done.error().code != Errc::kRefused) return done;
+  const auto after = session.read(name);
+  if (!after) return tl::make_unexpected(after.error());
+  if (after->value == value) return {};
+  return fail(Errc::kRefused, "camera '" + who + "': " + name + ": asked for '" + value +
+                                  "', it is '" + after->value + "'" +
+                                  (done ? "" : " (" + done.error().what + ")"));
+}
+
 }  // namespace
 
 const std::vector<std::string>& namesFor(const std::string& thing) {
@@ -62,12 +76,7 @@ Result<void> AppliedSettings::ensure(Session& session, const std::string& name, 
       return fail(Errc::kRefused, "camera '" + who_ + "': " + name + " is '" + now.value +
                                       "' and cannot be set to '" + value +
                                       "' from here: turn its mode dial to M, or set it by hand");
-    if (auto done = session.write(name, value); !done) return done;
-    const auto after = session.read(name);
-    if (!after) return tl::make_unexpected(after.error());
-    if (after->value != value)
-      return fail(Errc::kRefused, "camera '" + who_ + "': " + name + ": asked for '" + value +
-                                      "', it set '" + after->value + "'");
+    if (auto done = writeAndRead(session, name, value, who_); !done) return done;
   }
   in_force_[name] = value;
   return {};

@@ -2,6 +2,7 @@
 // From a trigger to its files, or an error: never to somebody else's.
 #include <algorithm>
 
+#include "devices/gphoto2/connect.h"
 #include "devices/gphoto2/gphoto2_camera.h"
 
 namespace patina::devices::gphoto2 {
@@ -85,11 +86,19 @@ Result<void> Gphoto2Camera::waitOnce(MonoTime deadline) {
   return {};
 }
 
+// The library reads a folder once a session: only another session shows what no event told of.
 Result<void> Gphoto2Camera::lookAtCard() {
   shot_->next_look = clock_.mono() + kLookEvery;
-  auto looked = card_.refresh(*session_, clock_.mono());
-  if (!looked && looked.error().code == Errc::kBusy) return {};
-  return looked;
+  const Attached where = session_->where();
+  session_.reset();
+  auto session = Session::open(where, caps_.id);
+  if (!session) return fail(Errc::kLost, session.error().what);
+  session_ = std::move(*session);
+  const auto serial = serialOf(*session_, caps_.id);
+  if (!serial) return tl::make_unexpected(serial.error());
+  if (!sameSerial(*serial, caps_.serial))
+    return fail(Errc::kLost, "camera '" + caps_.id + "': another camera answers at " + where.port);
+  return card_.refresh(*session_, clock_.mono());
 }
 
 Result<Bytes> Gphoto2Camera::fetch(const CardFile& file) {

@@ -13,7 +13,7 @@ namespace {
 
 std::string secondsText(Nanoseconds d) {
   char text[32];
-  std::snprintf(text, sizeof text, "%+.2f s", toSeconds(d));
+  std::snprintf(text, sizeof text, "%+.1f s", toSeconds(d));
   return text;
 }
 

@@ -49,7 +49,8 @@ std::string Gphoto2Camera::notReady() const {
 }
 
 Error Gphoto2Camera::settled(Error error) {
-  if (error.code == Errc::kCorrupt && session_) {
+  if (!session_) error.code = Errc::kLost;
+  if (error.code == Errc::kCorrupt) {
     if (const auto alive = session_->probe(); !alive) error.code = alive.error().code;
   }
   if (error.code == Errc::kLost || error.code == Errc::kTimeout) {

@@ -9,6 +9,7 @@
 #include <ctime>
 #include <set>
 
+#include "devices/gphoto2/descriptor_care.h"
 #include "devices/gphoto2/widget.h"
 
 namespace patina::devices::gphoto2 {
@@ -37,8 +38,15 @@ Owned<T> made(int (*make)(T**, Args...), Args... args) {
   return Owned<T>(raw);
 }
 
-void keepLastError(GPContext*, const char* text, void* last) {
-  *static_cast<std::string*>(last) = text ? text : "";
+std::string firstLine(std::string text) {
+  text.resize(std::min(text.find('\n'), text.size()));
+  return text;
+}
+
+// One call may complain twice: the first words are those of the camera.
+void keepErrors(GPContext*, const char* text, void* all) {
+  auto& said = *static_cast<std::string*>(all);
+  if (text && said.size() < 300) said += (said.empty() ? "" : "; ") + firstLine(text);
 }
 
 // The camera models the library knows: 40 ms to load, and the same for the life of the process.
@@ -94,17 +102,12 @@ std::vector<std::string> namesOf(CameraList* list) {
   return names;
 }
 
-std::string firstLine(std::string text) {
-  text.resize(std::min(text.find('\n'), text.size()));
-  return text;
-}
-
 }  // namespace
 
 struct Session::Handles {
   std::string who;
   Attached where;
-  std::string last_error;  // the library's own words; set by its callback
+  std::string said;  // the library's own words; added to by its callback
   Owned<GPContext> context{gp_context_new()};
   Owned<Camera> camera = made(gp_camera_new);
   bool open = false;
@@ -112,13 +115,16 @@ struct Session::Handles {
 
   ~Handles() {
     if (open) gp_camera_exit(camera.get(), context.get());
+    camera.reset();
+    plugStandardInput();
   }
   auto failed(const std::string& call, int code) {
     std::string what = "camera '" + who + "': " + call + ": " + gp_result_as_string(code) + " (" +
                        std::to_string(code) + ")";
-    const std::string said = firstLine(std::exchange(last_error, {}));
-    if (!said.empty()) what += ": " + said;
-    if (said.find("Store Full") != std::string::npos)
+    const std::string words = std::exchange(said, {});
+    if (!words.empty()) what += ": " + words;
+    if (words.find("Device Busy") != std::string::npos) code = GP_ERROR_CAMERA_BUSY;
+    if (words.find("Store Full") != std::string::npos)
       return fail(Errc::kRefused,
                   what + ": its card is full; delete what is not Patina's, or format it");
     return fail(meaningOf(code), what);
@@ -162,7 +168,7 @@ Result<std::unique_ptr<Session>> Session::open(const Attached& where, const std:
   auto h = std::make_unique<Handles>();
   h->who = who;
   h->where = where;
-  gp_context_set_error_func(h->context.get(), keepLastError, &h->last_error);
+  gp_context_set_error_func(h->context.get(), keepErrors, &h->said);
 
   const int model = gp_abilities_list_lookup_model(models(), where.model.c_str());
   if (model < 0) return h->failed("model '" + where.model + "'", model);
@@ -177,8 +183,12 @@ Result<std::unique_ptr<Session>> Session::open(const Attached& where, const std:
   gp_port_info_list_get_info(ports.get(), port, &info);
   gp_camera_set_port_info(h->camera.get(), info);
 
-  if (const int code = gp_camera_init(h->camera.get(), h->context.get()); code < 0)
-    return h->failed("open at " + where.port, code);
+  plugStandardInput();
+  const SocketCare sockets(where.port);
+  if (const int code = gp_camera_init(h->camera.get(), h->context.get()); code < 0) {
+    sockets.closeNew();
+    return h->failed("open at " + where.port, code == GP_ERROR ? GP_ERROR_IO : code);
+  }
   h->open = true;
   return std::unique_ptr<Session>(new Session(std::move(h)));
 }

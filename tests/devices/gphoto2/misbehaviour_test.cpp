@@ -133,7 +133,7 @@ TEST_F(Misbehaviour, ThePreviousPictureUnderANewNameIsNotThisShots) {
 
 TEST_F(Misbehaviour, AnExposureThatChangedByItselfIsNoFrame) {
   open();
-  order(DslrFaultKind::kSettingChanges);
+  order(DslrFaultKind::kSettingChanges, Operation::kInitiateCapture);
   std::optional<Error> error;
   for (std::uint64_t i = 1; i <= 3 && !error; ++i) {
     const auto frames = tryShot(i);
