@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kEvery = 20s;
 constexpr Nanoseconds kTick = 1s;  // cameras tell their time in whole seconds
-constexpr Nanoseconds kKnownWell = 50ms;
-constexpr Nanoseconds kPause = 10ms;
+constexpr Nanoseconds kKnownWell = 60ms;
+constexpr Nanoseconds kPause = 40ms;
 
 // An error that says the camera has no such thing, as against one that it is gone.
 bool has(const Error& error) { return error.code != Errc::kUnsupported; }
@@ -102,7 +102,12 @@ bool measureClock(Session& session, ClockOffset& offset, Clock& clock) {
   while (clock.mono() - begun < kTick + 300ms) {
     const MonoTime from = clock.mono();
     const auto shown = session.readClock();
-    if (!shown) return false;
+    if (!shown) {
+      const Errc code = shown.error().code;
+      if (code != Errc::kBusy && code != Errc::kCorrupt) return false;
+      clock.sleepUntil(clock.mono() + kPause, {});
+      continue;
+    }
     if (!first) first = *shown;
     if (!offset.observe(*shown, kTick, from, clock.mono()) && *shown == *first &&
         clock.mono() - begun > kTick)
