@@ -24,10 +24,12 @@ struct RigUnderTest {
       : clock(std::move(with_clock)), rig(std::move(with_rig)) {}
 
   std::unique_ptr<devices::VirtualClock> clock;
-  std::shared_ptr<void> world;  // what is below the devices: a simulated driver, a server
+  std::unique_ptr<devices::Clock> real;  // instead, of what lives in real time
+  std::shared_ptr<void> world;           // what is below the devices: a simulated driver, a server
   devices::Rig rig;
   // A camera that streams or waits: so long after the trigger may the light of its picture begin.
   Nanoseconds lag{};
+  Nanoseconds jitter{};  // so far may `real` move by itself between two lines of a test
 };
 
 struct Backend {
@@ -52,6 +54,9 @@ std::vector<Backend> lineBackendsWith(Devices devices::Rig::*kind) {
 // Each bare one, also in decorators whose faults lie years ahead; a hosted one, a network camera
 // and, under umockdev-wrapper as CTest starts the suite, one of V4L2.
 std::vector<Backend> bareAndWrappedBackends();
+// In real time, and not fit for decorators that step a virtual one: a virtual DSLR through
+// libgphoto2, over PTP/IP.
+std::vector<Backend> realTimeBackends();
 // One rig of `backend` whose every device has the faults of `plan` that name it, from now on.
 RigUnderTest makeWithFaults(const Backend& backend, const devices::FaultPlan& plan);
 
