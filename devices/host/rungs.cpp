@@ -22,8 +22,9 @@ class CameraWithRungs final : public Camera {
   Result<void> recover(Rung rung) override {
     const auto& own = rung == Rung::kReset ? rungs_.reset : rungs_.power_cycle;
     if (rung < Rung::kReset || !own) return camera_->recover(rung);
-    if (auto done = own(); !done) return done;
-    return camera_->recover(Rung::kReopen);
+    auto done = own();
+    auto opened = camera_->recover(Rung::kReopen);  // it may have come back by itself
+    return opened || done ? opened : done;
   }
 
  private:

@@ -17,7 +17,8 @@ struct Rungs {
   std::function<Result<void>()> power_cycle;  // off, a while, on
 };
 
-// The driver closes what it holds, the rung is done, and the driver opens the camera again.
+// The rung is done and the driver opens the camera again, also when the rung could not be done: the
+// camera may have come back by itself.
 std::unique_ptr<Camera> withRungs(std::unique_ptr<Camera> camera, Rungs rungs);
 
 }  // namespace patina::devices::host

@@ -26,6 +26,8 @@ struct Backend {
   Maker<devices::Sensor, devices::SensorSpec> sensor{};
   Maker<devices::Trigger, devices::TriggerSpec> trigger{};
   std::function<std::vector<devices::FoundDevice>()> find{};
+  // Lamps with the same answer must share a process; nothing: those of one address do.
+  std::function<std::string(const devices::LightSpec&)> shared_line{};
 };
 
 const std::vector<Backend>& backends();

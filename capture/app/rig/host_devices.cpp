@@ -75,14 +75,19 @@ std::string processOf(const std::string& id, const std::string& backend, const R
   return spec.twin && spec.twin->hosted ? kTwinBackend : "";
 }
 
+std::string lineOf(const devices::LightSpec& light) {
+  const Backend* backend = backendNamed(light.backend);
+  if (backend && backend->shared_line) return backend->shared_line(light);
+  return light.backend + "\n" + light.address;
+}
+
 void distribute(const RigSpec& spec, Processes& processes) {
   const auto add = [&](const auto& d, const std::string& key) {
     if (!key.empty()) processes.add(key, d.id, d.on);
   };
   for (const auto& d : spec.cameras) add(d, processOf(d.id, d.backend, spec));
   for (const auto& d : spec.lights)
-    add(d, d.backend == kTwinBackend ? processOf(d.id, d.backend, spec)
-                                     : d.backend + "\n" + d.address + "\n" + d.on);
+    add(d, d.backend == kTwinBackend ? processOf(d.id, d.backend, spec) : lineOf(d) + "\n" + d.on);
   for (const auto& d : spec.sensors) add(d, processOf(d.id, d.backend, spec));
   for (const auto& d : spec.triggers) add(d, processOf(d.id, d.backend, spec));
 }

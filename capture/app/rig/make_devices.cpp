@@ -3,18 +3,14 @@
 
 #include <algorithm>
 
+#include "capture/app/rig/camera_rungs.h"
 #include "capture/failure.h"
-#include "devices/host/rungs.h"
 #include "devices/twin/twin.h"
 
 namespace patina::rig {
 namespace {
 
-using namespace std::chrono_literals;
 using devices::RigSpec;
-
-constexpr Nanoseconds kPowerOff = 3s;    // until a body's capacitors are empty
-constexpr Nanoseconds kPowerOnset = 2s;  // until it answers again
 
 [[noreturn]] void refuse(const std::string& device, const std::string& backend,
                          const std::string& kind) {
@@ -32,30 +28,6 @@ std::unique_ptr<Device> make(const Spec& spec, const RigSpec& rig, devices::Cloc
   const Backend* backend = backendNamed(spec.backend);
   if (!backend || !(backend->*member)) refuse(spec.id, spec.backend, kind);
   return (backend->*member)(spec, rig.source, clock);
-}
-
-// A relay that the camera's power hangs on.
-std::function<devices::Result<void>()> relayCycle(const devices::LightSpec& spec,
-                                                  const RigSpec& rig, devices::Clock& clock) {
-  const auto relay = std::make_shared<std::unique_ptr<devices::Light>>(
-      make<devices::Light>(spec, rig, clock, &Backend::light, "power switch"));
-  return [relay, &clock]() -> devices::Result<void> {
-    devices::Light& power = **relay;
-    if (auto up = power.recover(); !up) return up;
-    if (auto off = power.set(0); !off) return off;
-    clock.sleepUntil(clock.mono() + kPowerOff, {});
-    if (auto on = power.set(1); !on) return on;
-    clock.sleepUntil(clock.mono() + kPowerOnset, {});
-    return {};
-  };
-}
-
-devices::host::Rungs rungsOf(const devices::CameraSpec& spec, const RigSpec& rig,
-                             devices::Clock& clock) {
-  devices::host::Rungs rungs;
-  for (const devices::LightSpec& power : rig.powers)
-    if (power.id == spec.power) rungs.power_cycle = relayCycle(power, rig, clock);
-  return rungs;
 }
 
 bool isTwin(const std::string& backend) { return backend == kTwinBackend; }
@@ -89,6 +61,11 @@ RigSpec onlyThese(RigSpec spec, const std::vector<std::string>& ids) {
   std::erase_if(spec.sensors, other);
   std::erase_if(spec.triggers, other);
   return spec;
+}
+
+std::unique_ptr<devices::Light> makeRelay(const devices::LightSpec& spec, const RigSpec& rig,
+                                          devices::Clock& clock) {
+  return make<devices::Light>(spec, rig, clock, &Backend::light, "power switch");
 }
 
 devices::Rig makeDevices(const RigSpec& spec, const World& world, devices::Clock& clock) {

@@ -24,6 +24,10 @@ struct World {
 // The rig with these devices of it only, in its own order; the rest of the file as it is.
 devices::RigSpec onlyThese(devices::RigSpec spec, const std::vector<std::string>& ids);
 
+// A [[power]] of the rig.
+std::unique_ptr<devices::Light> makeRelay(const devices::LightSpec& spec,
+                                          const devices::RigSpec& rig, devices::Clock& clock);
+
 // All devices of `spec`, closed. Cameras climb to the rungs of the USB bus and of their power
 // switch here. Throws Failure(kUnavailable) for a backend this build has not, ConfigError for
 // settings.

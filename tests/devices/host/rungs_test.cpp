@@ -9,7 +9,6 @@
 namespace patina::devices::host {
 namespace {
 
-using patina::testing::Fails;
 using patina::testing::IsOk;
 
 TEST(Rungs, ResetAndPowerCycleAreDoneBeforeTheCameraIsOpened) {
@@ -28,7 +27,7 @@ TEST(Rungs, ResetAndPowerCycleAreDoneBeforeTheCameraIsOpened) {
   ASSERT_THAT(camera->recover(Rung::kReopen), IsOk());
   EXPECT_EQ(done, "");
   ASSERT_THAT(camera->recover(Rung::kReset), IsOk());
-  EXPECT_THAT(camera->recover(Rung::kPowerCycle), Fails(Errc::kLost));
+  EXPECT_THAT(camera->recover(Rung::kPowerCycle), IsOk());  // it had come back by itself
   EXPECT_EQ(done, "reset power ");
 }
 

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a camera's bus and socket help it up: the ladder's upper rungs, where the rig has them.
+#pragma once
+
+#include "devices/host/rungs.h"
+#include "devices/rig.h"
+
+namespace patina::rig {
+
+// USB reset for a camera with a serial on USB; the power that its `power` names. Throws what makers
+// of devices throw. The clock outlives them.
+devices::host::Rungs rungsOf(const devices::CameraSpec& spec, const devices::RigSpec& rig,
+                             devices::Clock& clock);
+
+}  // namespace patina::rig
