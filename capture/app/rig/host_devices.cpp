@@ -69,27 +69,32 @@ class Processes {
   std::map<std::string, std::pair<std::string, std::uint16_t>> place_;
 };
 
-// What a device's process is called; empty: this one.
-std::string processOf(const std::string& id, const std::string& backend, const RigSpec& spec) {
-  if (backend != kTwinBackend) return id;
-  return spec.twin && spec.twin->hosted ? kTwinBackend : "";
-}
-
-std::string lineOf(const devices::LightSpec& light) {
+// What hangs on one port, board or line shares a process: a second could not open it.
+std::string placeOf(const devices::LightSpec& light) {
   const Backend* backend = backendNamed(light.backend);
-  if (backend && backend->shared_line) return backend->shared_line(light);
-  return light.backend + "\n" + light.address;
+  return backend && backend->shared_line ? backend->shared_line(light) : light.address;
 }
+std::string placeOf(const devices::TriggerSpec& trigger) { return trigger.address; }
+std::string placeOf(const devices::SensorSpec& sensor) {
+  const auto port = sensor.settings.find("port");
+  return port == sensor.settings.end() ? sensor.id : port->second;
+}
+std::string placeOf(const devices::CameraSpec& camera) { return camera.id; }
 
 void distribute(const RigSpec& spec, Processes& processes) {
-  const auto add = [&](const auto& d, const std::string& key) {
-    if (!key.empty()) processes.add(key, d.id, d.on);
+  const bool twin_hosted = spec.twin && spec.twin->hosted;
+  const auto add_all = [&](const auto& all) {
+    for (const auto& d : all) {
+      if (d.backend != kTwinBackend)
+        processes.add(d.backend + "\n" + placeOf(d) + "\n" + d.on, d.id, d.on);
+      else if (twin_hosted)
+        processes.add(kTwinBackend, d.id, d.on);
+    }
   };
-  for (const auto& d : spec.cameras) add(d, processOf(d.id, d.backend, spec));
-  for (const auto& d : spec.lights)
-    add(d, d.backend == kTwinBackend ? processOf(d.id, d.backend, spec) : lineOf(d) + "\n" + d.on);
-  for (const auto& d : spec.sensors) add(d, processOf(d.id, d.backend, spec));
-  for (const auto& d : spec.triggers) add(d, processOf(d.id, d.backend, spec));
+  add_all(spec.cameras);
+  add_all(spec.lights);
+  add_all(spec.sensors);
+  add_all(spec.triggers);
 }
 
 devices::host::CameraLimits limitsOf(const RigSpec& spec, const std::string& id, bool shared) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina plan check PLAN: what the plan costs and what will not work, before anything runs.
 #include "capture/app/context.h"
+#include "capture/app/rig/make_devices.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/forecast.h"
-#include "devices/twin/twin.h"
 
 namespace patina::app {
 namespace {
@@ -19,25 +19,17 @@ std::optional<std::uint64_t> freeBytes(const std::filesystem::path& archive) {
   return failed ? std::nullopt : std::optional<std::uint64_t>(space.available);
 }
 
-bool isTwin(const devices::RigSpec& rig) {
-  const auto twin = [](const auto& device) { return device.backend == "twin"; };
-  return std::all_of(rig.cameras.begin(), rig.cameras.end(), twin) &&
-         std::all_of(rig.lights.begin(), rig.lights.end(), twin) &&
-         std::all_of(rig.sensors.begin(), rig.sensors.end(), twin);
-}
-
-// A simulated rig can be asked what it can do; devices that are not attached cannot.
+// What devices can do is known before they are attached: from the rig file, or from the twin.
 capture::ForecastInputs inputsOf(const Context& context, const capture::Plan& plan,
                                  const devices::RigSpec& spec) {
   capture::ForecastInputs inputs;
   inputs.begin = context.clock.utc();
   inputs.free_bytes = freeBytes(context.options.archive);
-  if (!isTwin(spec)) return inputs;
   devices::VirtualClock clock(inputs.begin);
-  devices::twin::TwinOptions options;
-  options.duration = plan.duration;
-  options.start_utc = inputs.begin;
-  const devices::Rig rig = devices::twin::makeTwinRig(spec, options, clock);
+  rig::World world;
+  world.duration = plan.duration;
+  world.start_utc = inputs.begin;
+  const devices::Rig rig = rig::makeDevices(spec, world, clock);
   for (const auto& camera : rig.cameras) inputs.cameras.push_back(camera->caps());
   for (const auto& light : rig.lights) inputs.lights.push_back(light->caps());
   return inputs;
