@@ -3,8 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/gphoto2/health.h"
-
 namespace patina::devices::gphoto2 {
 namespace {
 
@@ -56,13 +54,6 @@ TEST(Troubles, ABatteryIsNoMainsAndALowOneNoWeek) {
   ASSERT_EQ(troublesOfBattery("80%", false).size(), 1u);
   EXPECT_FALSE(troublesOfBattery("80%", false)[0].fatal);
   EXPECT_TRUE(troublesOfBattery("Low", false).at(0).fatal);
-}
-
-TEST(Troubles, BatteriesAreReadAsMakersWriteThem) {
-  EXPECT_EQ(batteryPercent("85%"), 85);
-  EXPECT_EQ(batteryPercent("Low"), 10);
-  EXPECT_EQ(batteryPercent("Full"), 100);
-  EXPECT_EQ(batteryPercent("Unknown value 00ff"), std::nullopt);
 }
 
 TEST(Troubles, ACardThatIsMissingFullOrLockedIsTold) {
