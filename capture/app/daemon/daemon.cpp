@@ -58,16 +58,6 @@ bool hasProductsDue(const db::RunRow& run) {
 
 std::string productsOf(const std::string& run_id) { return "products of " + run_id + " failed"; }
 
-devices::Rig openTwinOnly(const RunFiles& files, const capture::RunStart& start,
-                          devices::Clock& clock) {
-  for (const auto& camera : files.rig.cameras)
-    if (camera.backend != "twin")
-      throw capture::CaptureError(Exit::kConfig, camera.id + " is a real camera (" +
-                                                     camera.backend +
-                                                     "): a rehearsal takes the twin alone");
-  return openRig(files, start, clock);
-}
-
 }  // namespace
 
 class Daemon::Impl {

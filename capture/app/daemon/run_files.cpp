@@ -76,4 +76,21 @@ devices::Rig openRig(const RunFiles& files, const capture::RunStart& start, devi
   return devices::withFaults(std::move(rig), files.faults, began, clock);
 }
 
+devices::Rig openTwinOnly(const RunFiles& files, const capture::RunStart& start,
+                          devices::Clock& clock) {
+  const auto require = [](const auto& all) {
+    for (const auto& device : all)
+      if (device.backend != rig::kTwinBackend)
+        throw capture::CaptureError(Exit::kUnavailable,
+                                    "'" + device.id + "' is a real device (" + device.backend +
+                                        "): a rehearsal takes the twin alone; `patina capture` "
+                                        "runs the plan");
+  };
+  require(files.rig.cameras);
+  require(files.rig.lights);
+  require(files.rig.sensors);
+  require(files.rig.triggers);
+  return openRig(files, start, clock);
+}
+
 }  // namespace patina::daemon

@@ -36,4 +36,8 @@ std::vector<std::string> claimsOf(const RunFiles& files);
 // Throws Failure(kUnavailable) for a backend this build has not.
 devices::Rig openRig(const RunFiles& files, const capture::RunStart& start, devices::Clock& clock);
 
+// The same for a rehearsal: Failure(kUnavailable) for a rig with any real device.
+devices::Rig openTwinOnly(const RunFiles& files, const capture::RunStart& start,
+                          devices::Clock& clock);
+
 }  // namespace patina::daemon

@@ -82,6 +82,7 @@ devices::Rig makeDevices(const RigSpec& spec, const World& world, devices::Clock
   }
   devices::Rig rig;
   rig.spec = spec;
+  if (!twins.cameras.empty()) rig.spec.patches = twins.spec.patches;  // also those it chose
   fill(rig.cameras, std::move(twins.cameras), spec.cameras, [&](const auto& s) {
     return devices::host::withRungs(
         make<devices::Camera>(s, spec, clock, &Backend::camera, "camera"), rungsOf(s, spec, clock));

@@ -101,7 +101,8 @@ void runToEnd(Context& context, const RunOptions& options, const RunFiles& files
   if (start.resumed) context.verbose("going on with " + start.run_id);
   capture::SessionSummary summary;
   try {
-    devices::Rig rig = daemon::openRig(files, start, clock);
+    devices::Rig rig = clock.threadSafe() ? daemon::openRig(files, start, clock)
+                                          : daemon::openTwinOnly(files, start, clock);
     context.signals.onStop([&stop] { stop.request_stop(); });
     summary = capture::runSession(files.plan, rig, *archive, clock, start, hooks);
   } catch (const Failure& failure) {

@@ -46,7 +46,7 @@ TEST(Rehearse, ANewRunComesAfterTheOldOne) {
   EXPECT_EQ(second.text("/items/0/run_id"), "20240502T120000Z-copper");
 }
 
-TEST(Rehearse, ABackendThatIsNotBuiltInIsUnavailable) {
+TEST(Rehearse, ARigOfRealDevicesIsRefused) {
   const TempFolder folder = TempFolder::inMemory();
   const std::string plan =
       changedPlan(folder, {}, "backend = \"twin\"\nsettings", "backend = \"gphoto2\"\nsettings");

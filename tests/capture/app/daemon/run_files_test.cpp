@@ -36,7 +36,7 @@ TEST(RunFiles, FaultsOfDevicesThatLeaveGoWithThem) {
 TEST(RunFiles, ABackendThatIsNotBuiltInIsUnavailable) {
   Bench bench;
   RunFiles files = readRunFiles(bench.folder / "card.toml", {});
-  files.rig.cameras[0].backend = "gphoto2";
+  files.rig.cameras[0].backend = "telepathy";
   try {
     openRig(files, {"run", bench.clock.utc(), false}, bench.clock);
     FAIL();
