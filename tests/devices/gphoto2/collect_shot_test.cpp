@@ -127,7 +127,7 @@ TEST_F(Misbehaviour, ThePreviousPictureUnderANewNameIsNotThisShots) {
   const auto stale = tryShot(2, 3s);
   ASSERT_THAT(stale, Fails(Errc::kTimeout));
   climb(stale.error());
-  EXPECT_THAT(events(), HasSubstr("exposed before the trigger"));
+  EXPECT_THAT(events(), HasSubstr("unclaimed picture"));
   expectGoodShot(3);
 }
 
