@@ -25,7 +25,7 @@ Result<std::string> matchTarget(Target target, const Choices& choices, const std
 // it answers to a write means little. Only what is read back counts.
 Result<void> writeAndRead(Session& session, const std::string& name, const std::string& value,
                           const std::string& who) {
-  const auto done = session.write(name, value);
+  auto done = session.write(name, value);
   if (!done && done.error().code != Errc::kRefused) return done;
   const auto after = session.read(name);
   if (!after) return tl::make_unexpected(after.error());
@@ -178,13 +178,17 @@ Result<Exposure> AppliedSettings::present(Session& session, const Exposure& fall
   return now;
 }
 
+tl::unexpected<Error> AppliedSettings::changed(const std::string& name, const std::string& was,
+                                               const std::string& is) const {
+  return fail(Errc::kRefused, "camera '" + who_ + "': " + name + " was '" + was + "' and is '" +
+                                  is + "' now: it changed by itself");
+}
+
 Result<void> AppliedSettings::verify(Session& session) const {
   for (const auto& [name, value] : in_force_) {
     const auto now = session.read(name);
     if (!now) return tl::make_unexpected(now.error());
-    if (now->value != value)
-      return fail(Errc::kRefused, "camera '" + who_ + "': " + name + " was '" + value +
-                                      "' and is '" + now->value + "' now: it changed by itself");
+    if (now->value != value) return changed(name, value, now->value);
   }
   return {};
 }

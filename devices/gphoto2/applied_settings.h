@@ -42,6 +42,8 @@ class AppliedSettings {
   Result<std::string> ensureThing(Session& session, const std::string& thing,
                                   const std::function<Match(const Choices&)>& match);
   Result<void> applyTarget(Session& session);
+  tl::unexpected<Error> changed(const std::string& name, const std::string& was,
+                                const std::string& is) const;
 
   const CameraSettings& wanted_;
   std::string who_;

@@ -47,7 +47,7 @@ Result<std::vector<CardFile>> filesNow(Session& session) {
   if (!places) return tl::make_unexpected(places.error());
   std::vector<CardFile> all;
   for (const std::string& folder : *places) {
-    const auto files = session.list(folder);
+    auto files = session.list(folder);
     if (!files) return files;
     all.insert(all.end(), files->begin(), files->end());
   }

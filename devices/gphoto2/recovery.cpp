@@ -44,7 +44,7 @@ Result<void> Gphoto2Camera::drain(Nanoseconds quiet, const std::string& why) {
     if (!event) {
       if (event.error().code != Errc::kCorrupt && event.error().code != Errc::kBusy)
         return tl::make_unexpected(event.error());
-      if (const auto alive = session_->probe(); !alive) return alive;
+      if (auto alive = session_->probe(); !alive) return alive;
     }
     if (event && event->kind == LibraryEvent::kNothing) {
       if (clock_.mono() - last >= quiet) break;

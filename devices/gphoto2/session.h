@@ -15,7 +15,7 @@
 #include "devices/result.h"
 #include "processing/image/picture_file.h"
 
-struct _CameraWidget;
+struct _CameraWidget;  // NOLINT(bugprone-reserved-identifier): the library's own name
 
 namespace patina::devices::gphoto2 {
 

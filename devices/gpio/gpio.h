@@ -16,10 +16,10 @@ namespace patina::devices::gpio {
 // Settings: active = "high" | "low", and those of light_settings.h. One-way: the pin is read back,
 // what hangs on it is not. Throws ConfigError; opens nothing.
 std::unique_ptr<Light> makeLight(const LightSpec& spec, const std::filesystem::path& rig_file,
-                                 Clock& clock, RequestLine request = requestLine);
+                                 Clock& clock, const RequestLine& request = requestLine);
 // Settings: active, half_line (a line of the same chip), and those of trigger_pulse.h.
 std::unique_ptr<Trigger> makeTrigger(const TriggerSpec& spec, const std::filesystem::path& rig_file,
-                                     Clock& clock, RequestLine request = requestLine);
+                                     Clock& clock, const RequestLine& request = requestLine);
 
 std::vector<FoundDevice> find();  // the chips (kind "port")
 

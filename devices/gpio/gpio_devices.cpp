@@ -105,7 +105,7 @@ class GpioTrigger final : public Trigger {
 }  // namespace
 
 std::unique_ptr<Light> makeLight(const LightSpec& spec, const std::filesystem::path& rig_file,
-                                 Clock&, RequestLine request) {
+                                 Clock&, const RequestLine& request) {
   Settings settings(spec.settings, "light '" + spec.id + "'", rig_file);
   LightCaps caps = takeLightCaps(settings, spec.id);
   LineName name = takeLine(settings, spec.address);
@@ -114,7 +114,7 @@ std::unique_ptr<Light> makeLight(const LightSpec& spec, const std::filesystem::p
 }
 
 std::unique_ptr<Trigger> makeTrigger(const TriggerSpec& spec, const std::filesystem::path& rig_file,
-                                     Clock& clock, RequestLine request) {
+                                     Clock& clock, const RequestLine& request) {
   Settings settings(spec.settings, "trigger '" + spec.id + "'", rig_file);
   const LineName name = takeLine(settings, spec.address);
   const TriggerPulse pulse = takeTriggerPulse(settings);
