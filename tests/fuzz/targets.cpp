@@ -23,6 +23,7 @@ const std::vector<FuzzTarget>& fuzzTargets() {
       {"daemon_json", fuzzDaemonJson},
       {"ptpip", fuzzPtpIp},
       {"op_dmx", fuzzOpDmx},
+      {"host_messages", fuzzHostMessages},
   };
   return kTargets;
 }

@@ -34,6 +34,7 @@ void fuzzKeptTokens(std::span<const std::byte> bytes);
 void fuzzDaemonJson(std::span<const std::byte> bytes);
 void fuzzPtpIp(std::span<const std::byte> bytes);
 void fuzzOpDmx(std::span<const std::byte> bytes);
+void fuzzHostMessages(std::span<const std::byte> bytes);
 
 std::string textOf(std::span<const std::byte> bytes);
 
