@@ -113,8 +113,10 @@ TEST_F(Identity, WhatIsFoundHasItsFactsChoicesAndTroubles) {
   EXPECT_EQ(it->model, "Patina DSLR");
   EXPECT_EQ(it->state, "ready");
   std::string facts, choices, troubles;
-  for (const auto& [key, value] : it->facts) facts += key + "=" + value + "\n";
-  for (const auto& [key, values] : it->choices) choices += key + "=" + values.front() + "\n";
+  for (const auto& [key, value] : it->facts)
+    facts.append(key).append("=").append(value).append("\n");
+  for (const auto& [key, values] : it->choices)
+    choices.append(key).append("=").append(values.front()).append("\n");
   for (const Trouble& trouble : it->troubles) troubles += trouble.what + "\n";
   EXPECT_THAT(facts, HasSubstr("battery=15%"));
   EXPECT_THAT(facts, HasSubstr("clock=+90.0 s"));

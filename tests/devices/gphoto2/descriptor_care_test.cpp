@@ -30,8 +30,8 @@ class Peer {
   Peer() : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
     address_.sin_family = AF_INET;
     address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    bind(listener_, reinterpret_cast<sockaddr*>(&address_), sizeof address_);
-    listen(listener_, 8);
+    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address_), sizeof address_), 0);
+    EXPECT_EQ(listen(listener_, 8), 0);
     socklen_t length = sizeof address_;
     getsockname(listener_, reinterpret_cast<sockaddr*>(&address_), &length);
   }
