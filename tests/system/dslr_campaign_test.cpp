@@ -166,7 +166,8 @@ TEST_F(DslrCampaign, AWellBehavedCameraGivesEveryShot) {
 
 TEST_P(DslrCampaign, NoPictureIsLostDoubledOrMisplacedWhateverTheCameraDoes) {
   const int shots = numberFrom("PATINA_DSLR_SHOTS", 50);
-  const auto seed = static_cast<std::uint64_t>(numberFrom("PATINA_DSLR_SEED", 1) + GetParam());
+  const auto seed = static_cast<std::uint64_t>(numberFrom("PATINA_DSLR_SEED", 1)) +
+                    static_cast<std::uint64_t>(GetParam());
   camera_.misbehave(seed, 0.008, 300ms);
   const auto before = resourcesOf(::getpid(), folder_ / "archive");
   run(shots);

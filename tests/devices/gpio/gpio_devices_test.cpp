@@ -37,7 +37,7 @@ struct FakeChip {
   }
   class Line final : public OutputLine {
    public:
-    Line(FakeChip& chip, LineName name)
+    Line(FakeChip& chip, const LineName& name)
         : chip_(chip), name_(name.chip + ":" + name.line + (name.active_low ? "/low" : "")) {
       chip_.write("take " + name_);
     }
