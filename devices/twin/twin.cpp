@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "devices/config_file.h"
-#include "devices/twin/lit_scene.h"
 #include "devices/settings.h"
+#include "devices/twin/lit_scene.h"
 #include "devices/twin/twin_devices.h"
 
 namespace patina::devices::twin {

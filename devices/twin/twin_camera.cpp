@@ -3,8 +3,8 @@
 #include <set>
 
 #include "devices/config_file.h"
-#include "devices/twin/picture_maker.h"
 #include "devices/settings.h"
+#include "devices/twin/picture_maker.h"
 #include "devices/twin/twin_devices.h"
 #include "processing/image/dng_file.h"
 #include "processing/image/random.h"
