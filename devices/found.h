@@ -15,7 +15,7 @@ struct Trouble {
 };
 
 struct FoundDevice {
-  std::string kind;     // "camera" "light" "sensor" "trigger"
+  std::string kind;     // "camera" "light" "sensor" "trigger"; "port" and "hub": what those hang on
   std::string backend;  // as a rig file names it
   std::string model;
   std::string serial;   // what a rig file identifies it by; empty: it cannot be told apart
