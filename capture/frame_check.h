@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/light_statistics.h"
+#include "calibration/light/light_statistics.h"
 #include "devices/camera.h"
 #include "processing/image/sha256.h"
 

@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/light_statistics.h"
+#include "calibration/light/light_statistics.h"
 #include "capture/plan.h"
 #include "db/rows.h"
 #include "devices/rig.h"

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "calibration/masters.h"
+#include "calibration/sensor/masters.h"
+#include "capture/workflow/calibration_record.h"
 #include "capture/workflow/failure.h"
-#include "capture/workflow/products.h"
 
 namespace patina::workflow {
 namespace {
@@ -263,14 +263,9 @@ std::optional<std::size_t> ArchiveFrames::MasterSet::load(const db::ArchiveReade
                                                           FramesReport& report) {
   const auto [at, is_new] = index.try_emplace(row.id, images.size());
   if (!is_new) return at->second;
-  for (const db::ProductRow& product : reader.products("master")) {
-    if (product.sha256 != row.sha256) continue;
-    images.push_back(readPicture(pathOfProduct(reader.folder(), product)).linear);
-    report.input_sha256s.push_back(row.sha256);
-    return at->second;
-  }
-  throw WorkflowError(Exit::kBadData, "the picture of calibration " + std::to_string(row.id) +
-                                          " (" + row.kind + ") is not in the archive");
+  images.push_back(readPicture(fileOfCalibration(reader, row)).linear);
+  report.input_sha256s.push_back(row.sha256);
+  return at->second;
 }
 
 void ArchiveFrames::bindMasters() {

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "capture/workflow/calibration_record.h"
 #include "capture/workflow/failure.h"
 #include "capture/workflow/import_listing.h"
 #include "capture/workflow/picture_times.h"
-#include "capture/workflow/products.h"
 #include "processing/image/metadata_file.h"
 
 namespace patina::workflow {
@@ -107,12 +107,9 @@ std::optional<Image<float>> darkFor(const db::ArchiveReader& reader, Stack& stac
       best_time = std::abs(distance.time_s);
     }
     if (best == nullptr) continue;
-    for (const db::ProductRow& product : reader.products("master"))
-      if (product.sha256 == best->sha256) {
-        stack.input_sha256s.push_back(best->sha256);
-        notes.push_back(std::string(kind) + " " + std::to_string(best->id) + " was subtracted");
-        return readPicture(pathOfProduct(reader.folder(), product)).linear;
-      }
+    stack.input_sha256s.push_back(best->sha256);
+    notes.push_back(std::string(kind) + " " + std::to_string(best->id) + " was subtracted");
+    return readPicture(fileOfCalibration(reader, *best)).linear;
   }
   notes.push_back("the archive has no dark that fits: none was subtracted");
   return std::nullopt;
@@ -153,29 +150,26 @@ MasterOutcome makeMaster(const fs::path& archive, const MasterRequest& request, 
   const calibration::Master master = stackUp(reader, request, stack, outcome.notes, progress);
   outcome.report = master.report;
 
-  const std::string id = freeProductId(reader, "master", request.kind + "-" + stack.key.device_id);
-  const ProductFile file = placeProduct(archive, id, "master.exr", {});
-  writeExr(file.path, master.image.view());
-  outcome.path = file.path;
+  NewCalibration calibration;
+  db::CalibrationRow& row = calibration.row;
+  row.kind = request.kind;
+  row.device_id = stack.key.device_id;
+  row.exposure = stack.key.exposure;
+  row.iso = stack.key.iso;
+  row.size = stack.key.size;
+  row.temperature_c = stack.key.temperature_c;
+  if (request.kind == "flat") row.light_state = stack.key.light_state;
+  row.utc = stack.key.utc;
   Facts options;
   options.text("kind", request.kind).text("camera", stack.key.device_id);
-  const Making making{request.command, options, 0, request.version, stack.input_sha256s};
-  const Facts values = valuesOf(master.report);
-  const db::ProductRow product =
-      recordProduct(archive, file, "master",
-                    request.run.empty() ? "" : reader.findRun(request.run).id, making, values, now);
-  outcome.row = {0,
-                 request.kind,
-                 stack.key.device_id,
-                 stack.key.exposure,
-                 stack.key.iso,
-                 stack.key.size,
-                 stack.key.temperature_c,
-                 request.kind == "flat" ? stack.key.light_state : "",
-                 stack.key.utc,
-                 product.sha256,
-                 values.json()};
-  outcome.row.id = db::ProductWriter::addCalibration(archive, outcome.row);
+  calibration.values = valuesOf(master.report);
+  calibration.file_name = "master.exr";
+  calibration.write = [&](const fs::path& file) { writeExr(file, master.image.view()); };
+  if (!request.run.empty()) calibration.run_id = reader.findRun(request.run).id;
+  calibration.making = {request.command, options, 0, request.version, stack.input_sha256s};
+  const KeptCalibration kept = keepCalibration(archive, std::move(calibration), now);
+  outcome.row = kept.row;
+  outcome.path = kept.path;
   return outcome;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/masters.h"
+#include "calibration/sensor/masters.h"
 #include "capture/workflow/archive_frames.h"
 
 namespace patina::workflow {

@@ -25,6 +25,12 @@ endfunction()
 # OpenCV without its CMake package: that one comes only with libopencv-dev and half of a desktop.
 patina_import(opencv_core HEADER opencv2/core.hpp SUFFIXES opencv4 LIBRARIES opencv_core)
 patina_import(opencv_imgproc LIBRARIES opencv_imgproc LINKS patina::opencv_core)
+patina_import(opencv_calib3d LIBRARIES opencv_calib3d opencv_features2d opencv_flann LINKS patina::opencv_imgproc)
+patina_import(opencv_aruco LIBRARIES opencv_aruco LINKS patina::opencv_calib3d)
+patina_import(opencv_mcc LIBRARIES opencv_mcc LINKS patina::opencv_calib3d)
+patina_import(opencv_photo LIBRARIES opencv_photo LINKS patina::opencv_imgproc)
+patina_import(opencv_video LIBRARIES opencv_video LINKS patina::opencv_imgproc)
+patina_import(eigen HEADER Eigen/Core SUFFIXES eigen3)
 
 patina_import(libraw HEADER libraw/libraw.h LIBRARIES raw_r)
 patina_import(exiv2 HEADER exiv2/exiv2.hpp LIBRARIES exiv2)

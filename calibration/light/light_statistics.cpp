@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/light_statistics.h"
+#include "calibration/light/light_statistics.h"
 
 #include <algorithm>
 #include <cmath>

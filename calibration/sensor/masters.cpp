@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/masters.h"
+#include "calibration/sensor/masters.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
