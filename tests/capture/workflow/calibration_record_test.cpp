@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/workflow/calibration_record.h"
 
+#include <gtest/gtest.h>
+
 #include "capture/workflow/failure.h"
 #include "tests/capture/workflow/small_run.h"
 
