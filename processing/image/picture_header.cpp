@@ -76,9 +76,11 @@ std::size_t skipEntropy(std::span<const std::byte> file, std::size_t at) {
   return file.size();
 }
 
-// Values of the first directory that do not fit into their entry lie elsewhere: inside the file?
+// Of the first directory: every entry of a known type, and values that do not fit into their entry
+// inside the file.
 bool tiffValuesInside(std::span<const std::byte> file) {
-  static constexpr std::array<std::uint8_t, 13> kBytesOfType{0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8};
+  static constexpr std::array<std::uint8_t, 14> kBytesOfType{0, 1, 1, 2, 4, 8, 1,
+                                                             1, 2, 4, 8, 4, 8, 4};
   const Reader in(file, startsWith(file, "MM"));
   if (!in.has(0, 8) || !in.has(in.u32(4), 2)) return false;
   const std::uint64_t directory = in.u32(4);
@@ -87,7 +89,7 @@ bool tiffValuesInside(std::span<const std::byte> file) {
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint64_t entry = directory + 2 + 12ull * i;
     const std::uint32_t type = in.u16(entry + 2);
-    if (type >= kBytesOfType.size()) continue;
+    if (type == 0 || type >= kBytesOfType.size()) return false;
     const std::uint64_t bytes = std::uint64_t{in.u32(entry + 4)} * kBytesOfType[type];
     if (bytes > 4 && !in.has(in.u32(entry + 8), bytes)) return false;
   }
@@ -100,7 +102,9 @@ namespace codecs {
 
 void checkTiffValues(std::span<const std::byte> file) {
   if (!tiffValuesInside(file))
-    refuse("the file is truncated: values of its directory lie beyond its end; copy it again");
+    refuse(
+        "the file is truncated or damaged: its directory names values that are not there; copy it "
+        "again");
 }
 
 void refuse(const std::string& why) { throw ProcessingError(Exit::kBadData, why); }
