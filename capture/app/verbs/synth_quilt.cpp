@@ -50,6 +50,8 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   making.options.text("low_frequency", nameOf(options.quilting.low_frequency));
   if (options.quilting.low_frequency != quilting::LowFrequencyUse::kKeep)
     making.options.number("low_frequency_px", options.quilting.lowFrequencyFor(block));
+  making.options.count("jitter_frames", options.quilting.jitter_frames);
+  making.options.count("jitter_event_frames", options.quilting.jitter_event_frames);
   making.options.number("blend_px", options.quilting.blend_px);
   return making;
 }
@@ -114,6 +116,10 @@ void addSynthVerbs(Verb root) {
               "What counts as slow: the Gaussian's sigma (default: a block's side)")
       .option("--blend", o->quilting.blend_px, 0.0, 256.0,
               "Reach of a correction beside seams, in pixels (default: 0, pure copies)")
+      .option("--jitter", o->quilting.jitter_frames, 0, 10000,
+              "Frames by which a block may wander about its true time, so that copies differ")
+      .option("--jitter-events", o->quilting.jitter_event_frames, 0, 10000,
+              "Frames by which a block may change early or late as a whole")
       .flag("--tile", o->quilting.tile, "A result that wraps around")
       .option("--out", o->out, "FILE.h5", "Where to")
       .demand("--size")

@@ -5,25 +5,30 @@
 #include "processing/patch/grid_cut.h"
 #include "processing/patch/overlap_search.h"
 #include "processing/synthesis/quilting/quilting.h"
+#include "processing/synthesis/quilting/time_warp.h"
 
 namespace patina::quilting {
 
 class Canvas {
  public:
-  // `features` are borrowed. `wraps`: the right edge meets the left one, the bottom the top.
-  Canvas(ImageView<const float> features, SizePx size, SizePx block, bool wraps);
+  // `features` and `warps` are borrowed. `wraps`: the right edge meets the left one, the bottom the
+  // top.
+  Canvas(ImageView<const float> features, SizePx size, SizePx block, bool wraps,
+         const TimeWarps* warps = nullptr);
 
-  // What lies under a block at (x,y); valid until the next look().
-  patch::Overlap look(int x, int y);
+  // What lies under block `index` at (x,y), as a search at its true time needs it; valid until the
+  // next look().
+  patch::Overlap look(int x, int y, int index);
   std::int64_t knownTexels() const { return known_texels_; }
 
   // What a seam would cost, were source block (source_x, source_y) laid over the place last looked
   // at: cut straight through each of the overlapping sides, `overlap` px wide. For comparing.
   double seamEstimate(int source_x, int source_y, int overlap) const;
   // Lays it there, cut where it differs least.
-  patch::GridCut paste(int source_x, int source_y, int block_index);
+  patch::GridCut paste(int source_x, int source_y);
 
   Quilt cropped(SizePx size) const;
+  Image<float> shown(SizePx size) const;  // its features, every block at its own time
 
  private:
   int wrapped(int v, int length) const { return wraps_ ? (v % length + length) % length : v; }
@@ -37,16 +42,20 @@ class Canvas {
     return isOn(x, y) && source_.at(wrapped(x, size_.width), wrapped(y, size_.height), 0) >= 0;
   }
   bool bordersOld(int i, int j) const;
+  // The features of a source texel as block `index` shows them.
+  void shownBy(int index, int source_x, int source_y, float* out) const;
   // Squared feature difference of what is there and the source block; -1 where nothing is there.
   Image<double> differenceFrom(int source_x, int source_y) const;
 
   ImageView<const float> features_;
   SizePx size_, block_;
   bool wraps_;
+  const TimeWarps* warps_;
   Image<std::int32_t> source_, index_;  // -1: nothing there yet
 
-  int x_ = 0, y_ = 0;  // last looked at
-  Image<float> target_;
+  int x_ = 0, y_ = 0, looking_ = 0;  // last looked at, and for which block
+  Image<float> target_;              // as it is shown
+  Image<float> at_true_time_;
   Image<std::uint8_t> known_;
   std::int64_t known_texels_ = 0;
 };

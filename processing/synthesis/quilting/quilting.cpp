@@ -12,6 +12,7 @@
 #include "processing/synthesis/quilting/canvas.h"
 #include "processing/synthesis/quilting/repetition.h"
 #include "processing/synthesis/quilting/seam_statistics.h"
+#include "processing/synthesis/quilting/time_warp.h"
 
 namespace patina::quilting {
 namespace {
@@ -55,7 +56,7 @@ SizePx verbatimPx(SizePx source, double share) {
 class Quilter {
  public:
   Quilter(ImageView<const float> features, const QuiltingOptions& options, SizePx block,
-          SizePx canvas)
+          SizePx canvas, TimeWarps* warps)
       : options_(options),
         block_(block),
         overlap_(options.overlapFor(block)),
@@ -63,12 +64,15 @@ class Quilter {
         guard_(search_.corners(), block, options.tile ? canvas : SizePx{},
                options.repetition_penalty, verbatimPx(features.size(), options.verbatim)),
         floor_per_texel_(0.05 * neighbourDistance(features)),
-        canvas_(features, canvas, block, options.tile) {}
+        canvas_(features, canvas, block, options.tile, warps),
+        warps_(warps) {}
 
   void place(int x, int y) {
     const std::uint64_t draw = hashSeed(options_.seed, 0x7175696c74, index_);
-    const patch::Candidate chosen = choose(draw, canvas_.look(x, y), x, y);
-    const patch::GridCut cut = canvas_.paste(chosen.x, chosen.y, index_++);
+    if (warps_) warps_->add();
+    const patch::Candidate chosen = choose(draw, canvas_.look(x, y, index_), x, y);
+    const patch::GridCut cut = canvas_.paste(chosen.x, chosen.y);
+    ++index_;
     guard_.place(x, y, chosen.x, chosen.y);
     seam_cost_ += cut.cost;
     seam_edges_ += cut.cut_edges;
@@ -79,7 +83,7 @@ class Quilter {
     result.report.blocks = index_;
     result.report.rank = features.channels;
     result.report.seam_cost_mean = seam_edges_ ? seam_cost_ / (2.0 * seam_edges_) : 0;
-    result.report.seam_ratio = seamRatio(applyQuilt(features, result.quilt).view(), result.quilt);
+    result.report.seam_ratio = seamRatio(canvas_.shown(options_.size).view(), result.quilt);
     return result;
   }
 
@@ -117,6 +121,7 @@ class Quilter {
   RepetitionGuard guard_;
   double floor_per_texel_;
   Canvas canvas_;
+  TimeWarps* warps_;
   int index_ = 0;
   double seam_cost_ = 0;
   std::int64_t seam_edges_ = 0;
@@ -185,11 +190,15 @@ void QuiltingOptions::check(SizePx source) const {
   if (tile && low_frequency == LowFrequencyUse::kRestore)
     refuse("low_frequency", "restore", "keep or drop where the result wraps around");
   if (!within(blend_px, 0, 256)) refuse("blend_px", std::to_string(blend_px), "0 to 256");
+  if (!within(jitter_frames, 0, 10000))
+    refuse("jitter_frames", std::to_string(jitter_frames), "0 to 10000");
+  if (!within(jitter_event_frames, 0, 10000))
+    refuse("jitter_event_frames", std::to_string(jitter_event_frames), "0 to 10000");
   if (!within(verbatim, 0, 1)) refuse("verbatim", std::to_string(verbatim), "0 to 1");
 }
 
 QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& options,
-                  Progress& progress) {
+                  Progress& progress, TimeWarps* warps) {
   options.check(features.size());
   const SizePx block = options.blockFor(features.size());
   const int overlap = options.overlapFor(block);
@@ -200,7 +209,7 @@ QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& option
   const SizePx canvas =
       options.tile ? options.size : SizePx{across.back() + block.width, down.back() + block.height};
   progress.begin("quilting", static_cast<std::int64_t>(across.size() * down.size()));
-  Quilter quilter(features, options, block, canvas);
+  Quilter quilter(features, options, block, canvas, warps);
   for (int y : down)
     for (int x : across) {
       quilter.place(x, y);

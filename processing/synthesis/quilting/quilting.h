@@ -22,6 +22,8 @@ enum class LowFrequencyUse {
   kRestore,  // is taken out first and put back stretched over the result
 };
 
+class TimeWarps;
+
 struct QuiltingOptions {
   SizePx size{1024, 1024};                // of the result
   SizePx block_px{0, 0};                  // width x height, tall for growing things; 0x0: a square
@@ -35,6 +37,8 @@ struct QuiltingOptions {
   double repetition_penalty = 1.0;  // on source regions shown nearby; 0: none
   LowFrequencyUse low_frequency = LowFrequencyUse::kKeep;
   double low_frequency_px = 0;  // Gaussian sigma of what counts as slow; 0: a block's smaller side
+  int jitter_frames = 0;        // each block wanders about its true time, this far (equation 7)
+  int jitter_event_frames = 0;  // each block changes early or late, by up to this
   double blend_px = 0;  // reach of a correction beside seams, 0 to 256; 0: none, pure copies
   std::uint64_t seed = 1;
   void check(SizePx source) const;       // throws ProcessingError: field, value, range
@@ -47,6 +51,16 @@ struct QuiltingOptions {
 struct Quilt {
   Image<std::int32_t> source_xy;  // [h][w][2]
   Image<std::int32_t> block;      // [h][w][1], index of the block placed there
+  // [block][t]: the frame that a block shows at t. Empty: all show frame t.
+  std::vector<std::vector<int>> times = {};
+
+  int timeAt(int x, int y, int t) const { return times.empty() ? t : times[block.at(x, y)][t]; }
+  // Do these two texels of the result, `step` apart, lie so in the source too, at one time?
+  bool isWhole(int x, int y, int to_x, int to_y, int step_x, int step_y) const {
+    if (!times.empty() && block.at(x, y) != block.at(to_x, to_y)) return false;
+    return source_xy.at(to_x, to_y, 0) - source_xy.at(x, y, 0) == step_x &&
+           source_xy.at(to_x, to_y, 1) - source_xy.at(x, y, 1) == step_y;
+  }
 };
 struct QuiltingReport {
   int blocks = 0, rank = 0;
@@ -62,10 +76,12 @@ struct QuiltResult {
   Quilt quilt;
   QuiltingReport report;
 };
+// With `warps` every block takes the next time of its own: blocks are looked for at the true time,
+// and joined and cut as they will be shown.
 QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& options,
-                  Progress& progress);
+                  Progress& progress, TimeWarps* warps = nullptr);
 
-// Copies: result texel (x,y) of `frame` = frame at source_xy. Multi-threaded.
+// Copies: result texel (x,y) of `frame` = frame at source_xy, whatever its time. Multi-threaded.
 Image<std::uint16_t> applyQuilt(ImageView<const std::uint16_t> frame, const Quilt& quilt);
 Image<float> applyQuilt(ImageView<const float> frame, const Quilt& quilt);
 

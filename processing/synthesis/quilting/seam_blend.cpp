@@ -20,8 +20,12 @@ constexpr std::array<int, 4> kStepX{1, 0, -1, 0}, kStepY{0, 1, 0, -1};
 // The result's texels as a graph that may wrap around.
 class Seams {
  public:
-  Seams(ImageView<const float> features, const Quilt& quilt, bool wraps)
-      : features_(features), source_(quilt.source_xy.view()), wraps_(wraps) {}
+  Seams(ImageView<const float> features, const Quilt& quilt, bool wraps, const TimeWarps* warps)
+      : features_(features),
+        quilt_(quilt),
+        source_(quilt.source_xy.view()),
+        wraps_(wraps),
+        warps_(warps) {}
 
   int width() const { return source_.width; }
   int height() const { return source_.height; }
@@ -37,9 +41,8 @@ class Seams {
   }
   // Is the neighbour's source not the source's neighbour?
   bool isCut(int x, int y, int d, std::int64_t to) const {
-    const std::int32_t *p = source_.data + 2 * (static_cast<std::int64_t>(y) * width() + x),
-                       *q = source_.data + 2 * to;
-    return q[0] - p[0] != kStepX[d] || q[1] - p[1] != kStepY[d];
+    return !quilt_.isWhole(x, y, static_cast<int>(to % width()), static_cast<int>(to / width()),
+                           kStepX[d], kStepY[d]);
   }
   // Adds J(p,q): the mean of what q's copy lacks of p's going on, and the other way round.
   void addJump(int x, int y, int d, std::int64_t to, float* out) const {
@@ -47,23 +50,36 @@ class Seams {
                        *q = source_.data + 2 * to;
     const bool on = isSource(p[0] + kStepX[d], p[1] + kStepY[d]);
     const bool back = isSource(q[0] - kStepX[d], q[1] - kStepY[d]);
-    const float* fp = &features_.at(p[0], p[1]);
-    const float* fq = &features_.at(q[0], q[1]);
-    const float* p_on = on ? &features_.at(p[0] + kStepX[d], p[1] + kStepY[d]) : fp;
-    const float* q_back = back ? &features_.at(q[0] - kStepX[d], q[1] - kStepY[d]) : fq;
+    const int by_p = quilt_.block.at(x, y), by_q = quilt_.block.at(static_cast<int>(to % width()),
+                                                                   static_cast<int>(to / width()));
+    std::vector<float> room(warps_ ? 4 * static_cast<std::size_t>(channels()) : 0);
+    const float* fp = shown(by_p, p[0], p[1], 0, room);
+    const float* fq = shown(by_q, q[0], q[1], 1, room);
+    const float* p_on = on ? shown(by_p, p[0] + kStepX[d], p[1] + kStepY[d], 2, room) : fp;
+    const float* q_back = back ? shown(by_q, q[0] - kStepX[d], q[1] - kStepY[d], 3, room) : fq;
     for (int k = 0; k < features_.channels; ++k)
       out[k] += 0.5f * ((fq[k] - p_on[k]) + (q_back[k] - fp[k]));
   }
   int channels() const { return features_.channels; }
 
  private:
+  // Features of a source texel as a block shows them; `room` has a place for each of four.
+  const float* shown(int block, int x, int y, std::size_t place, std::vector<float>& room) const {
+    const float* features = &features_.at(x, y);
+    if (!warps_) return features;
+    float* out = room.data() + place * static_cast<std::size_t>(channels());
+    warps_->warp(block, features, out);
+    return out;
+  }
   bool isSource(int x, int y) const {
     return x >= 0 && y >= 0 && x < features_.width && y < features_.height;
   }
 
   ImageView<const float> features_;
+  const Quilt& quilt_;
   ImageView<const std::int32_t> source_;
   bool wraps_;
+  const TimeWarps* warps_;
 };
 
 // 1 where a seam lies within `reach` texels along both axes.
@@ -172,8 +188,8 @@ class Relaxation {
 }  // namespace
 
 Image<float> seamCorrection(ImageView<const float> features, const Quilt& quilt, double blend_px,
-                            bool wraps, Progress& progress) {
-  const Seams seams(features, quilt, wraps);
+                            bool wraps, Progress& progress, const TimeWarps* warps) {
+  const Seams seams(features, quilt, wraps, warps);
   return Relaxation(seams, blend_px, wraps).solve(progress);
 }
 

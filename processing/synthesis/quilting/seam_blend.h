@@ -10,6 +10,7 @@
 #include "processing/image/image.h"
 #include "processing/image/progress.h"
 #include "processing/synthesis/quilting/quilting.h"
+#include "processing/synthesis/quilting/time_warp.h"
 #include "processing/synthesis/quilting/ttf_features.h"
 
 namespace patina::quilting {
@@ -19,7 +20,7 @@ namespace patina::quilting {
 // seam departs from what both sources go on with; 0 inside copies. c falls off by 1/e in blend_px
 // texels and is exactly 0 farther than 3 blend_px from any seam. Memory: 3 result-sized features.
 Image<float> seamCorrection(ImageView<const float> features, const Quilt& quilt, double blend_px,
-                            bool wraps, Progress& progress);
+                            bool wraps, Progress& progress, const TimeWarps* warps = nullptr);
 
 // Adds a correction to frames of the result. Where it is 0 samples stay bit for bit.
 class SeamBlend {

@@ -16,12 +16,10 @@ struct RowSums {
 
 void addPair(ImageView<const float> result, const Quilt& quilt, int x, int y, int step_x,
              int step_y, RowSums& sums) {
-  const auto from = quilt.source_xy.view().texel(x, y);
-  const auto to = quilt.source_xy.view().texel(x + step_x, y + step_y);
   const auto a = result.texel(x, y), b = result.texel(x + step_x, y + step_y);
   double squares = 0;
   for (std::size_t c = 0; c < a.size(); ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
-  const bool inside = to[0] - from[0] == step_x && to[1] - from[1] == step_y;
+  const bool inside = quilt.isWhole(x, y, x + step_x, y + step_y, step_x, step_y);
   (inside ? sums.inside : sums.seam) += std::sqrt(squares);
   ++(inside ? sums.inside_pairs : sums.seam_pairs);
 }

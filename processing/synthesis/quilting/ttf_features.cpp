@@ -163,7 +163,7 @@ TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
       },
       options, progress);
   TtfFeatures result{Image<float>(info.width, info.height, svd.rank), std::move(svd.basis),
-                     rows.weights(), svd.relative_error};
+                     std::move(svd.mean), rows.weights(), svd.relative_error};
   for (std::int64_t i = 0; i < m; ++i)
     std::copy_n(
         svd.scores.begin() + i * svd.rank, svd.rank,

@@ -32,9 +32,10 @@ class QuiltingSource {
 struct TtfFeatures {
   Image<float> features;      // [h][w][rank]: weighted coefficients of each texel's whole history
   std::vector<float> basis;   // [frames][channels][rank]
+  std::vector<float> mean;    // [frames][channels], taken off before
   std::vector<float> weight;  // of each frame
   double relative_error = 0;  // of T so weighted
-  // A texel's displayed value is about mean + (basis . features) / weight.
+  // A texel's displayed value is about (mean + basis . features) / weight.
 };
 // Time and colour together are the columns of T (equation 4): n = frames * channels. Samples are
 // taken as displayed (sRGB), since a seam is seen there, and each frame is weighted by (1 + q) S /

@@ -13,10 +13,10 @@ constexpr SizePx kBlock{10, 10};
 TEST(Canvas, KnowsNothingAtFirstAndThenWhatWasPasted) {
   const Image<float> f = waveTexture({40, 40}, 2);
   Canvas canvas(f.view(), {30, 20}, kBlock, false);
-  canvas.look(0, 0);
+  canvas.look(0, 0, 0);
   EXPECT_EQ(canvas.knownTexels(), 0);
-  canvas.paste(5, 7, 0);
-  const patch::Overlap overlap = canvas.look(6, 0);
+  canvas.paste(5, 7);
+  const patch::Overlap overlap = canvas.look(6, 0, 1);
   EXPECT_EQ(canvas.knownTexels(), 4 * 10);
   for (int y = 0; y < 10; ++y)
     for (int x = 0; x < 10; ++x) {
@@ -29,10 +29,10 @@ TEST(Canvas, KnowsNothingAtFirstAndThenWhatWasPasted) {
 TEST(Canvas, KeepsTexelsBesideOldOnesAndTakesThoseWhereNothingIs) {
   const Image<float> f = waveTexture({40, 40}, 2);
   Canvas canvas(f.view(), {16, 10}, kBlock, false);
-  canvas.look(0, 0);
-  canvas.paste(0, 0, 0);
-  canvas.look(6, 0);
-  canvas.paste(20, 20, 1);
+  canvas.look(0, 0, 0);
+  canvas.paste(0, 0);
+  canvas.look(6, 0, 1);
+  canvas.paste(20, 20);
   const Quilt quilt = canvas.cropped({16, 10});
   for (int y = 0; y < 10; ++y) {
     EXPECT_EQ(quilt.block.at(6, y), 0);   // the overlap's first column borders the old block
@@ -45,20 +45,20 @@ TEST(Canvas, KeepsTexelsBesideOldOnesAndTakesThoseWhereNothingIs) {
 TEST(Canvas, FindsNoSeamWhereACopyGoesOn) {
   const Image<float> f = waveTexture({40, 40}, 3);
   Canvas canvas(f.view(), {16, 10}, kBlock, false);
-  canvas.look(0, 0);
-  canvas.paste(3, 4, 0);
-  canvas.look(6, 0);
+  canvas.look(0, 0, 0);
+  canvas.paste(3, 4);
+  canvas.look(6, 0, 1);
   EXPECT_EQ(canvas.seamEstimate(9, 4, 4), 0);
   EXPECT_GT(canvas.seamEstimate(10, 4, 4), 0);
-  EXPECT_EQ(canvas.paste(9, 4, 1).cost, 0);
+  EXPECT_EQ(canvas.paste(9, 4).cost, 0);
 }
 
 TEST(Canvas, MeetsItselfWhereItWraps) {
   const Image<float> f = waveTexture({40, 40}, 2);
   Canvas canvas(f.view(), {16, 12}, kBlock, true);
-  canvas.look(0, 0);
-  canvas.paste(1, 2, 0);
-  const patch::Overlap overlap = canvas.look(12, 0);  // columns 16, 17, ... are 0, 1, ...
+  canvas.look(0, 0, 0);
+  canvas.paste(1, 2);
+  const patch::Overlap overlap = canvas.look(12, 0, 1);  // columns 16, 17, ... are 0, 1, ...
   for (int x = 0; x < 10; ++x) EXPECT_EQ(overlap.known.at(x, 5), x >= 4);
   EXPECT_EQ(overlap.target.at(4, 5, 0), f.at(1, 7, 0));
 }

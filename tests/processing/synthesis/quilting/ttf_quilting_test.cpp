@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "processing/image/encoding.h"
+#include "processing/synthesis/quilting/time_warp.h"
 #include "processing/synthesis/quilting/ttf_features.h"
 #include "tests/processing/synthesis/quilting/ttf_texture.h"
 #include "tests/support/temp_folder.h"
@@ -47,6 +48,48 @@ TEST(QuiltTtf, CopiesRealDataInEveryFrameAtOneAndTheSamePlace) {
     const Image<std::uint16_t> frame = input.frame(t);
     EXPECT_EQ(output.frame(t).texels(), applyQuilt(frame.view(), again.quilt).texels());
   }
+}
+
+TEST(QuiltTtf, WithJitterCopiesEveryTexelsHistoryFromOnePlaceAtItsBlocksOwnTimes) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 21, {140, 131});
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  QuiltingOptions o = options({180, 150});
+  o.jitter_event_frames = 4;
+  const QuiltingReport report = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const TtfFeatures f = ttfFeatures(QuiltingSource(input, nullptr), 15, {}, progress);
+  TimeWarps warps(f, {0, 4}, o.seed);
+  const Quilt map = quilt(f.features.view(), o, progress, &warps).quilt;
+  ASSERT_EQ(map.times.size(), static_cast<std::size_t>(report.blocks));
+  const ttf::TtfReader output(folder / "out.h5");
+  int moved = 0;
+  for (int t = 0; t < 21; ++t) {
+    const Image<std::uint16_t> frame = output.frame(t);
+    std::vector<Image<std::uint16_t>> in;
+    for (int s = 0; s < 21; ++s) in.push_back(input.frame(s));
+    for (int y = 0; y < 150; ++y)
+      for (int x = 0; x < 180; ++x) {
+        const int from = map.timeAt(x, y, t);
+        ASSERT_EQ(frame.at(x, y, 1),
+                  in[from].at(map.source_xy.at(x, y, 0), map.source_xy.at(x, y, 1), 1));
+        moved += from != t;
+      }
+  }
+  EXPECT_GT(moved, 180 * 150 * 5);
+}
+
+TEST(QuiltTtf, BlendsSeamsOfJitteredBlocksToo) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 12, {140, 131});
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  QuiltingOptions o = options({180, 150});
+  o.jitter_event_frames = 3;
+  const QuiltingReport copied = quiltTtf(input, o, folder / "copied.h5", "{}", progress);
+  o.blend_px = 1.5;
+  const QuiltingReport blended = quiltTtf(input, o, folder / "blended.h5", "{}", progress);
+  EXPECT_LT(blended.seam_ratio_frames, 0.8 * copied.seam_ratio_frames);
 }
 
 TEST(QuiltTtf, BlendsSeamsAwayAndLeavesWhatIsFarFromThemBitForBit) {
