@@ -59,6 +59,7 @@ class TtfReader {  // Thread-bound.
   Image<float> linearFrame(int t) const;    // times scale
   // Frames [t_first, t_first + count) of a region: [t][y][x][c], u16.
   std::vector<std::uint16_t> block(int t_first, int count, RectPx region) const;
+  std::vector<float> linearBlock(int t_first, int count, RectPx region) const;  // the same, linear
 
  private:
   struct State;

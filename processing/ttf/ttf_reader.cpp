@@ -267,18 +267,24 @@ Image<std::uint16_t> TtfReader::frame(int t) const {
   return out;
 }
 
-Image<float> TtfReader::linearFrame(int t) const {
+std::vector<float> TtfReader::linearBlock(int t_first, int count, RectPx region) const {
   const TtfInfo& info = state_->info;
-  const RectPx whole{0, 0, info.width, info.height};
-  Image<float> out(info.width, info.height, info.channels);
+  std::vector<float> out(static_cast<std::size_t>(std::max(count, 0)) * std::max(region.width, 0) *
+                         std::max(region.height, 0) * info.channels);
   if (info.type != SampleType::kU16) {
-    state_->read(t, 1, whole, H5T_NATIVE_FLOAT, out.texels().data());
+    state_->read(t_first, count, region, H5T_NATIVE_FLOAT, out.data());
     return out;
   }
-  const std::vector<std::uint16_t> samples = block(t, 1, whole);
+  const std::vector<std::uint16_t> samples = block(t_first, count, region);
   const float gain = static_cast<float>(info.scale / 65535.0);
-  float* texels = out.texels().data();
-  forSamples(samples.size(), [&](std::size_t i) { texels[i] = samples[i] * gain; });
+  forSamples(samples.size(), [&](std::size_t i) { out[i] = samples[i] * gain; });
+  return out;
+}
+
+Image<float> TtfReader::linearFrame(int t) const {
+  const TtfInfo& info = state_->info;
+  Image<float> out(info.width, info.height, info.channels);
+  out.texels() = linearBlock(t, 1, {0, 0, info.width, info.height});
   return out;
 }
 
