@@ -193,6 +193,7 @@ void addTtfDatabase(Verb ttf) {
 void addTtfVerbs(Verb root) {
   Verb ttf = root.group("ttf", "Time-varying textures (TTF)");
   addTtfBuild(ttf);
+  addTtfRetime(ttf);
   addTtfDatabase(ttf);
 }
 
