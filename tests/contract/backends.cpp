@@ -5,10 +5,12 @@
 
 #include "capture/app/rig/host_devices.h"
 #include "devices/fault/faulty_devices.h"
+#include "devices/libcamera/pipeline_camera.h"
 #include "devices/network/network.h"
 #include "devices/twin/twin.h"
 #include "devices/v4l2/v4l2_camera.h"
 #include "tests/contract/stub_devices.h"
+#include "tests/devices/libcamera/fake_pipeline.h"
 #include "tests/support/loopback/snapshots.h"
 #include "tests/support/v4l2/v4l2_testbed.h"
 
@@ -100,6 +102,21 @@ RigUnderTest makeV4l2() {
       2s);
 }
 
+// The library's place is taken by a pipeline in virtual time.
+RigUnderTest makeLibcamera() {
+  return withCamera(
+      [](Clock& clock, std::shared_ptr<void>& world) -> std::unique_ptr<Camera> {
+        auto sensor = std::make_shared<FakeSensor>(smallSensor());
+        world = sensor;
+        CameraSpec spec = camera("libcamera", {});
+        spec.serial = "/base/imx477";
+        return std::make_unique<libcamera::PipelineCamera>(
+            spec, libcamera::readCameraSettings(spec, "rig.toml"), makeFakePipeline(*sensor, clock),
+            clock);
+      },
+      2s);
+}
+
 // The answers take real time, of which the virtual clock knows nothing.
 struct SnapshotWorld {
   std::uint64_t number = 0;
@@ -138,6 +155,7 @@ std::vector<Backend> bareBackends() {
 std::vector<Backend> bareAndWrappedBackends() {
   std::vector<Backend> all = bareBackends();
   all.push_back({"HostedTwin", makeHostedTwin});
+  all.push_back({"Libcamera", makeLibcamera});
   all.push_back({"NetworkSnapshot", makeNetworkSnapshot});
   if (underUmockdev()) all.push_back({"V4l2", makeV4l2});
   FaultPlan far;

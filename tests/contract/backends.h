@@ -51,8 +51,8 @@ std::vector<Backend> lineBackendsWith(Devices devices::Rig::*kind) {
     if (!(backend.make().rig.*kind).empty()) those.push_back(std::move(backend));
   return those;
 }
-// Each bare one, also in decorators whose faults lie years ahead; a hosted one, a network camera
-// and, under umockdev-wrapper as CTest starts the suite, one of V4L2.
+// Each bare one, also in decorators whose faults lie years ahead; a hosted one, one of libcamera, a
+// network camera and, under umockdev-wrapper as CTest starts the suite, one of V4L2.
 std::vector<Backend> bareAndWrappedBackends();
 // In real time, and not fit for decorators that step a virtual one: a virtual DSLR through
 // libgphoto2, over PTP/IP.
