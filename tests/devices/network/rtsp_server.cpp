@@ -117,7 +117,7 @@ RtspFilm greyFilm(int frames, int key_every) {
 }
 
 void serveRtsp(Peer& peer, const RtspFilm& film, const std::string& address,
-               std::size_t silent_after) {
+               std::size_t silent_after, const std::function<void()>& on_silence) {
   const std::string base = "rtsp://" + address + "/live";
   for (std::string request = peer.receiveHead(); !request.empty(); request = peer.receiveHead()) {
     if (request.rfind("OPTIONS", 0) == 0) {
@@ -139,6 +139,7 @@ void serveRtsp(Peer& peer, const RtspFilm& film, const std::string& address,
       if (!peer.send(interleaved(packet))) return;
     if (!peer.waitForIt(2)) return;
   }
+  if (on_silence) on_silence();
   while (peer.waitForIt(1000)) continue;
 }
 

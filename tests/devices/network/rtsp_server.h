@@ -3,6 +3,7 @@
 // own.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,9 @@ struct RtspFilm {
 // Frame n is grey of level 40 + 4 n; every `key_every`-th is a key frame.
 RtspFilm greyFilm(int frames, int key_every);
 
-// Serves it once, then goes on with the last frames for ever; `silent_after`: sends no more frames.
+// Serves it once, then is silent; `silent_after`: sends no more frames. `on_silence` is called when
+// the last one is out.
 void serveRtsp(Peer& peer, const RtspFilm& film, const std::string& address,
-               std::size_t silent_after = 1'000'000);
+               std::size_t silent_after = 1'000'000, const std::function<void()>& on_silence = {});
 
 }  // namespace patina::testing

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <atomic>
+#include <cmath>
+
 #include "devices/network/network.h"
 #include "tests/devices/network/rtsp_server.h"
 #include "tests/support/matchers.h"
@@ -67,13 +70,47 @@ TEST_F(RtspCamera, TheSamePictureAsBeforeIsCorrupt) {
   EXPECT_THAT(shoot(*cam), Fails(Errc::kCorrupt));
 }
 
-TEST_F(RtspCamera, AStreamThatStallsDoesNotOutlastTheDeadline) {
+// Whose hands a test moves, from any thread.
+class HandClock final : public Clock {
+ public:
+  UtcTime utc() const override { return utcFromNs(now_ns_); }
+  MonoTime mono() const override { return monoFromNs(now_ns_); }
+  std::string bootId() const override { return "boot"; }
+  bool threadSafe() const override { return true; }
+  Wake sleepUntil(MonoTime, std::stop_token) override { return Wake::kDue; }
+  void set(MonoTime now) { now_ns_ = now.time_since_epoch().count(); }
+
+ private:
+  std::atomic<std::int64_t> now_ns_{1'000'000'000};
+};
+
+// A nanosecond before its deadline it still waits, and at its deadline no longer.
+TEST_F(RtspCamera, AStreamThatStallsIsWaitedForUntilTheDeadline) {
+  HandClock hand;
+  const MonoTime deadline = hand.mono() + 1h;
   std::string address;
-  const LoopbackServer server([&](Peer& peer) { serveRtsp(peer, film_, address, 5); });
+  std::atomic<int> calls = 0;
+  std::atomic<bool> still_there = false;
+  const LoopbackServer server([&](Peer& peer) {
+    const bool opening = calls++ == 0;
+    serveRtsp(peer, film_, address, 5, [&] {
+      if (opening) return;
+      hand.set(deadline - 1ns);
+      still_there = peer.waitForIt(300);
+      hand.set(deadline);
+    });
+  });
   address = server.address();
-  auto cam = camera(address);
+  CameraSpec spec;
+  spec.id = "cam0";
+  spec.settings = {{"url", "rtsp://" + address + "/live"}, {"connect_timeout", "60s"}};
+  auto cam = network::makeCamera(spec, "rig.toml", hand);
   ASSERT_THAT(cam->recover(Rung::kReopen), IsOk());
-  EXPECT_THAT(shoot(*cam, 300ms), Fails(Errc::kTimeout));
+  const auto ticket = cam->trigger({"shot", 1});
+  ASSERT_THAT(ticket, IsOk());
+  EXPECT_THAT(cam->collect(*ticket, deadline), Fails(Errc::kTimeout));
+  EXPECT_TRUE(still_there);
+  EXPECT_EQ(hand.mono(), deadline);
 }
 
 TEST_F(RtspCamera, AServerThatSaysNothingDoesNotOutlastTheDeadline) {
