@@ -61,7 +61,9 @@ Result<void> Channel::receiveAll(std::span<std::byte> bytes, MonoTime deadline) 
     } else if (n == 0) {
       return lost("closed");
     } else if (again(errno)) {
-      if (auto ready = waitFor(stream_.fd(), POLLIN, clock_, deadline); !ready) return ready;
+      const MonoTime by =
+          silence_max_ ? std::min(deadline, clock_.mono() + *silence_max_) : deadline;
+      if (auto ready = waitFor(stream_.fd(), POLLIN, clock_, by); !ready) return ready;
     } else {
       return lost(std::strerror(errno));
     }

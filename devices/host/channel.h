@@ -34,6 +34,9 @@ class Channel {
   explicit Channel(Descriptor stream);
 
   void seal(const Seal& seal) { seal_ = seal; }
+  // From now on receive() is a kTimeout also when nothing comes for so long. A long message on a
+  // slow wire is no silence.
+  void limitSilence(Nanoseconds longest) { silence_max_ = longest; }
   Result<void> send(std::span<const std::byte> message, MonoTime deadline);
   // Of kMessageMax bytes at most, or of `most`. A deadline that has passed still takes what came.
   Result<Bytes> receive(MonoTime deadline, std::uint32_t most = kMessageMax);
@@ -48,6 +51,7 @@ class Channel {
   RealClock clock_;
   std::mutex sending_;
   std::optional<Seal> seal_;
+  std::optional<Nanoseconds> silence_max_;
 };
 
 // Both ends of a connection inside this machine.

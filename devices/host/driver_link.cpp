@@ -14,8 +14,6 @@ using namespace std::chrono_literals;
 
 constexpr int kStartsAtOnce = 3;
 constexpr Nanoseconds kStartDistanceMax = 60s;
-// Four beats: a process that is stopped, or a machine that is gone, is not waited for.
-constexpr Nanoseconds kSilenceMax = 2s;
 
 Nanoseconds distance(int starts) {
   if (starts < kStartsAtOnce) return {};
@@ -25,7 +23,10 @@ Nanoseconds distance(int starts) {
 }  // namespace
 
 DriverLink::DriverLink(LinkOptions options, Clock& clock)
-    : options_(std::move(options)), clock_(clock) {}
+    : options_(std::move(options)), clock_(clock) {
+  if (options_.remote && clock_.threadSafe())
+    asking_ = std::jthread([this](const std::stop_token& stop) { keepAsking(stop); });
+}
 
 DriverLink::~DriverLink() { stop(); }
 
@@ -39,6 +40,17 @@ void DriverLink::drop(bool by_force) {
   channel_.reset();  // the process sees it and closes its devices
   process_.reset();
   running_ = false;
+}
+
+// A link that was cut without a word is found between calls too, and the host's side, which waits
+// for calls, knows by this that its caller lives.
+void DriverLink::keepAsking(const std::stop_token& stop) {
+  while (real_.sleepUntil(real_.mono() + options_.ask_every, stop) == Wake::kDue) {
+    if (!running_) continue;
+    const auto there = call(0, Op::kPing, {}, options_.silence_max);
+    const std::lock_guard lock(mutex_);
+    if (!there && !running_) ended_by_ = there.error().what;
+  }
 }
 
 void DriverLink::stop() {
@@ -66,6 +78,8 @@ Result<void> DriverLink::start() {
     drop(true);
     return tl::make_unexpected(named(greeted.error()));
   }
+  if (!options_.hello.told_time) channel_->limitSilence(options_.silence_max);
+  ended_by_.clear();
   running_ = true;
   return {};
 }
@@ -117,7 +131,9 @@ Result<DriverLink::Reply> DriverLink::call(std::uint16_t device, Op op, const By
                                            Nanoseconds limit) {
   const std::lock_guard lock(mutex_);
   if (!running_)
-    return tl::make_unexpected(named({Errc::kLost, std::string(name(op)) + ": is not running"}));
+    return tl::make_unexpected(
+        named({Errc::kLost, std::string(name(op)) + ": is not running" +
+                                (ended_by_.empty() ? "" : " since " + ended_by_)}));
   Call call;
   call.number = ++calls_;
   call.device = device;
@@ -144,10 +160,8 @@ Result<DriverLink::Reply> DriverLink::exchange(const Call& call, MonoTime deadli
     return std::move(reply);
   };
   if (auto sent = channel_->send(encode(call), deadline); !sent) return cut_off(sent.error());
-  const bool beats = !options_.hello.told_time;
   while (true) {
-    const MonoTime silent = real_.mono() + kSilenceMax;
-    const auto message = channel_->receive(beats ? std::min(deadline, silent) : deadline);
+    const auto message = channel_->receive(deadline);
     if (!message) return cut_off(message.error());
     auto answer = decodeAnswer(*message);
     if (!answer) return cut_off(answer.error());

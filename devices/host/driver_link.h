@@ -7,7 +7,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "devices/clock.h"
@@ -28,6 +30,10 @@ struct LinkOptions {
   std::vector<std::string> command{"/proc/self/exe", "device-host"};
   std::optional<RemoteHost> remote;                    // instead of `command`
   Nanoseconds start_limit = std::chrono::seconds(10);  // until its first answer
+  // Four beats: a process that is stopped, or a machine that is gone, is not waited for.
+  Nanoseconds silence_max = std::chrono::seconds(2);
+  // Another machine is asked so often whether it is there, and so told that this one is.
+  Nanoseconds ask_every = std::chrono::seconds(1);
 };
 
 // One call at a time; any thread. Real time throughout, also for a rig whose time is told.
@@ -68,6 +74,7 @@ class DriverLink {
   Result<void> greet(MonoTime deadline);
   Result<Reply> exchange(const Call& call, MonoTime deadline);
   void drop(bool by_force);
+  void keepAsking(const std::stop_token& stop);
   Error named(Error error) const;
 
   LinkOptions options_;
@@ -82,6 +89,8 @@ class DriverLink {
   std::atomic<int> starts_{0}, start_count_{0};
   MonoTime last_start_{};
   Nanoseconds utc_offset_{}, mono_offset_{};
+  std::string ended_by_;  // why it is not running, where that is no news to a caller
+  std::jthread asking_;   // last: ends before what it uses
 };
 
 }  // namespace patina::devices::host

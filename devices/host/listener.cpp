@@ -13,10 +13,10 @@ namespace patina::devices::host {
 using namespace std::chrono_literals;
 
 Result<void> serveCaller(Channel& channel, const Key& key, const DeviceMaker& make,
-                         const DeviceFinder& find) {
+                         const DeviceFinder& find, Nanoseconds silence_max) {
   const RealClock clock;
   if (auto met = greetAsHost(channel, key, clock.mono() + 5s); !met) return met;
-  serve(channel, make, find);
+  serve(channel, make, find, silence_max);
   return {};
 }
 

@@ -11,9 +11,13 @@
 
 namespace patina::devices::host {
 
-// What came over `channel` from a stranger: serves it once he has shown the key within 5 s.
+// What came over `channel` from a stranger: serves it once he has shown the key within 5 s. Five
+// times a caller is silent when he should have asked, and he is gone: his devices are closed, so
+// that he can open them over a new link.
+inline constexpr Nanoseconds kCallerSilenceMax = std::chrono::seconds(5);
 Result<void> serveCaller(Channel& channel, const Key& key, const DeviceMaker& make,
-                         const DeviceFinder& find = {});
+                         const DeviceFinder& find = {},
+                         Nanoseconds silence_max = kCallerSilenceMax);
 
 struct ListenOptions {
   std::string address;               // "0.0.0.0:8461"; port 0: any

@@ -18,7 +18,7 @@
 
 namespace patina::devices::host {
 
-inline constexpr std::uint32_t kProtocol = 1;
+inline constexpr std::uint32_t kProtocol = 2;
 
 // The first message: which devices of which rig, or what a backend sees attached.
 struct Hello {

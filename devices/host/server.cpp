@@ -234,9 +234,9 @@ class Server {
 
 }  // namespace
 
-void serve(Channel& channel, const DeviceMaker& make, const DeviceFinder& find) {
+void serve(Channel& channel, const DeviceMaker& make, const DeviceFinder& find,
+           std::optional<Nanoseconds> silence_max) {
   const RealClock clock;
-  const auto next = [&] { return channel.receive(clock.mono() + 1h); };
   const auto first = channel.receive(clock.mono() + 10s);
   if (!first) return;
   const auto hello = decodeHello(*first);
@@ -261,8 +261,8 @@ void serve(Channel& channel, const DeviceMaker& make, const DeviceFinder& find) 
       !server)
     return;
   while (true) {
-    const auto message = next();
-    if (!message && message.error().code == Errc::kTimeout) continue;
+    const auto message = channel.receive(clock.mono() + silence_max.value_or(1h));
+    if (!message && message.error().code == Errc::kTimeout && !silence_max) continue;
     if (!message) return;
     const auto call = decodeCall(*message);
     if (!call || !server->answer(*call)) return;

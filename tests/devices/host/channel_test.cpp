@@ -43,6 +43,29 @@ TEST(Channel, ADeadlineEndsAWaitInBothDirections) {
   EXPECT_THAT(ends.ours->send(Bytes(5'000'000), ends.in(5ms)), Fails(Errc::kTimeout));
 }
 
+TEST(Channel, SilenceEndsAWaitBeforeItsDeadline) {
+  Ends ends;
+  ends.ours->limitSilence(5ms);
+  const auto nothing = ends.ours->receive(ends.in(1h));
+  EXPECT_THAT(nothing, Fails(Errc::kTimeout));
+}
+
+TEST(Channel, AMessageThatTakesItsTimeIsNoSilence) {
+  Ends ends;
+  ends.ours->limitSilence(1s);
+  std::jthread slow([&] {
+    const unsigned char length[] = {3, 0, 0, 0};
+    EXPECT_EQ(::send(ends.theirs->fd(), length, sizeof length, 0), 4);
+    for (const char* piece : {"a", "b", "c"}) {
+      ends.clock.sleepUntil(ends.in(400ms), {});
+      EXPECT_EQ(::send(ends.theirs->fd(), piece, 1, 0), 1);
+    }
+  });
+  const auto whole = ends.ours->receive(ends.in(1h));
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->size(), 3u);
+}
+
 TEST(Channel, TheOtherEndsDeathIsALoss) {
   Ends ends;
   ends.theirs.reset();

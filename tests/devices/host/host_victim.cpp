@@ -3,7 +3,7 @@
 // driver does what drivers do. FAULT: none, hang (in collect), hang_once FILE, crash (in collect),
 // leak (16 MB a shot), mad (garbage for an answer), stop (the whole process stands still), slow
 // (opening takes 300 ms), bad_file, changed FILE (settings are others after a
-// restart), keyed FILE (for a caller with that key).
+// restart), keyed FILE (for a caller with that key, gone when silent for a second).
 #include <unistd.h>
 
 #include <csignal>
@@ -90,7 +90,7 @@ int run(int argc, char** argv) {
     rig.triggers.push_back(std::make_unique<Line>(clock));
     return rig;
   };
-  if (fault == "keyed") return serveCaller(channel, readKey(file), make) ? 0 : 1;
+  if (fault == "keyed") return serveCaller(channel, readKey(file), make, {}, 1s) ? 0 : 1;
   serve(channel, make);
   return 0;
 }
