@@ -86,7 +86,7 @@ CameraSettings readCameraSettings(const CameraSpec& spec, const std::filesystem:
   s.keep = settings.takeChoice("keep", {"false", "true"}) == "true";
   s.external_shutter = settings.takeChoice("shutter", {"usb", "external"}) == "external";
   s.manual_aperture = settings.takeChoice("f_number", {"camera", "manual"}) == "manual";
-  s.cycle = settings.takeExposure("cycle", 2s);
+  s.cycle = settings.takeExposure("cycle", 1500ms);
   s.exposure_min = settings.takeExposure("exposure_min", 125us);
   s.exposure_max = settings.takeExposure("exposure_max", 30s);
   s.config = settings.takePrefixed("config.");

@@ -38,7 +38,7 @@ TEST(Gphoto2Settings, HaveDefaultsForACameraOnUsb) {
   EXPECT_THAT(s.extensions(), ElementsAre("raw"));
   EXPECT_EQ(s.target, Target::kCard);
   EXPECT_FALSE(s.keep);
-  EXPECT_EQ(s.cycle, 2s);
+  EXPECT_EQ(s.cycle, 1500ms);
   EXPECT_EQ(s.exposure_max, 30s);
 }
 

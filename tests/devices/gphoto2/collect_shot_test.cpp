@@ -120,6 +120,23 @@ TEST_F(Misbehaviour, APictureGivenUpIsReportedWithItsShot) {
   expectGoodShot(2);
 }
 
+// A hand turns the dial from RAW+JPEG to RAW: half of a pair comes.
+TEST_F(Misbehaviour, APairOfWhichOneFileIsMissingIsNoPictureAndNothingOfItIsLost) {
+  use(serial("1001"), {{"format", "raw+jpeg"}, {"raw_extension", "dng"}});
+  open();
+  expectGoodShot(1);
+  camera().set(twin::dslr::Property::kCompression, twin::dslr::kRawOnly);
+  const auto half = tryShot(2, 3s);
+  ASSERT_FALSE(half);
+  EXPECT_THAT(half.error().code, ::testing::AnyOf(Errc::kTimeout, Errc::kRefused));
+  climb(half.error());
+  const auto frames = tryShot(3);
+  ASSERT_THAT(frames, IsOk());
+  EXPECT_EQ(frames->size(), 2u);
+  expectOurs(*frames);
+  EXPECT_EQ(onCard(), 5u);  // two pairs that nobody released, and the half
+}
+
 TEST_F(Misbehaviour, ThePreviousPictureUnderANewNameIsNotThisShots) {
   open();
   expectGoodShot(1);
