@@ -79,6 +79,9 @@ struct SessionSummary {
 struct SessionOptions {
   bool new_run = false;
   std::optional<UtcTime> t0_utc;
+  // Called when a new run is about to begin, not when one goes on: throws what keeps it from it,
+  // and nothing has changed.
+  std::function<void()> before_new = {};
 };
 struct RunStart {  // decided before devices exist: a twin needs t0
   std::string run_id;

@@ -26,6 +26,16 @@ void addDevices(const devices::RigSpec& rig, db::Archive& archive) {
   for (const auto& d : rig.triggers) archive.addDevice({d.id, "trigger", d.backend, "", d.address});
 }
 
+void abortForNew(const db::RunRow& run, db::Archive& archive, const devices::Clock& clock) {
+  db::EventRow event;
+  event.run_id = run.id;
+  event.utc = clock.utc();
+  event.kind = "aborted";
+  event.detail = "a new run was asked for";
+  archive.addEvent(event);
+  archive.setRunState(run.id, "aborted");
+}
+
 }  // namespace
 
 bool isUnfinished(const db::RunRow& run) {
@@ -35,27 +45,23 @@ bool isUnfinished(const db::RunRow& run) {
 RunStart startRun(const Plan& plan, const devices::RigSpec& rig, db::Archive& archive,
                   devices::Clock& clock, const SessionOptions& options) {
   checkAgainst(plan, rig);
-  const auto runs = archive.reader().runs();
-  for (auto run = runs.rbegin(); run != runs.rend(); ++run) {
-    if (!isUnfinished(*run) || run->specimen != plan.specimen) continue;
-    if (options.new_run) {
-      db::EventRow event;
-      event.run_id = run->id;
-      event.utc = clock.utc();
-      event.kind = "aborted";
-      event.detail = "a new run was asked for";
-      archive.addEvent(event);
-      archive.setRunState(run->id, "aborted");
-      continue;
-    }
-    if (run->plan_sha256 == plan.sha256) return {run->id, run->t0_utc, true};
+  auto unfinished = archive.reader().runs();
+  std::erase_if(unfinished, [&](const db::RunRow& run) {
+    return !isUnfinished(run) || run.specimen != plan.specimen;
+  });
+  if (!unfinished.empty() && !options.new_run) {
+    const db::RunRow& run = unfinished.back();
+    if (run.plan_sha256 == plan.sha256) return {run.id, run.t0_utc, true};
     throw CaptureError(Exit::kTemporary,
-                       "run " + run->id + " is unfinished and was started with another plan than " +
+                       "run " + run.id + " is unfinished and was started with another plan than " +
                            plan.source.string() +
                            " is now: a run never changes its plan. Go on with the plan as it was "
                            "(`patina archive show " +
-                           run->id + "` prints it), or start a new run with --new-run");
+                           run.id + "` prints it), or start a new run with --new-run");
   }
+  if (options.before_new) options.before_new();
+  for (auto run = unfinished.rbegin(); run != unfinished.rend(); ++run)
+    abortForNew(*run, archive, clock);
   RunStart start;
   start.t0_utc = options.t0_utc.value_or(
       plan.start_utc && *plan.start_utc > clock.utc() ? *plan.start_utc : clock.utc());

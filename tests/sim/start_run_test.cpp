@@ -32,6 +32,27 @@ TEST(StartRun, RefusesAPlanThatWasEditedWhileItsRunIsUnfinished) {
   EXPECT_EQ(sim.reader().runs().front().state, "aborted");
 }
 
+TEST(StartRun, WhatSpeaksAgainstANewRunChangesNothingAndIsNotAskedOfOneThatGoesOn) {
+  Simulation sim({});
+  sim.session_options.before_new = [] {
+    throw capture::CaptureError(Exit::kUnavailable, "no camera");
+  };
+  EXPECT_THROW(sim.run(), capture::CaptureError);
+  EXPECT_TRUE(sim.reader().runs().empty());
+  sim.session_options.before_new = {};
+  std::stop_source stop;
+  sim.clock.at(sim.clock.mono() + 33min, [&] { stop.request_stop(); });
+  sim.run([&](capture::SessionHooks& hooks) { hooks.stop = stop.get_token(); });
+  sim.session_options.before_new = [] {
+    throw capture::CaptureError(Exit::kUnavailable, "no camera");
+  };
+  sim.session_options.new_run = true;
+  EXPECT_THROW(sim.run(), capture::CaptureError);
+  EXPECT_EQ(sim.reader().runs().back().state, "stopped");
+  sim.session_options.new_run = false;
+  EXPECT_EQ(sim.run().end, "finished");
+}
+
 TEST(StartRun, NamesARunByItsStartAndItsSpecimenAndNeverTwice) {
   Simulation sim({.duration = "10min"});
   sim.session_options.t0_utc = parseUtc("2024-05-01T12:00:00Z");

@@ -16,6 +16,7 @@
 #include "capture/app/daemon/scrub_watch.h"
 #include "capture/app/daemon/service.h"
 #include "capture/app/http/server.h"
+#include "capture/app/rig/attached.h"
 #include "devices/scaled_clock.h"
 
 namespace patina::daemon {
@@ -143,8 +144,13 @@ void Daemon::Impl::keep() {
       [this](const std::string& run, const std::string& trouble) { afterwards(run, trouble); });
   dispatcher_ = std::make_unique<capture::notify::Dispatcher>(clock());
   dispatcher_->start();
-  KeeperOptions keeping{*archive_, clock(), broadcast_, openRig, dispatcher_.get(), {}};
-  if (options_.speed > 0) keeping.open_rig = openTwinOnly;
+  KeeperOptions keeping{*archive_, clock(), broadcast_, openRig, {}, dispatcher_.get(), {}};
+  if (options_.speed > 0)
+    keeping.open_rig = openTwinOnly;
+  else
+    keeping.require_cameras = [](const devices::RigSpec& rig, devices::Clock& real) {
+      rig::requireCameras(rig, real);
+    };
   keeping.finished = [this](const std::string& run_id) {
     notifyStatus("making products");  // at once: they may be made before the main loop turns
     after_->add(run_id);
@@ -277,7 +283,8 @@ void Daemon::Impl::run(const std::stop_token& stop) {
   watchdog_.begin(kMainLoop);
   keeper_->takeUp();
   if (!options_.start.empty()) {
-    const RunView view = keeper_->start(options_.start, false);
+    // After a reboot cameras may come later than we do, and the runs taken up must not end for it.
+    const RunView view = keeper_->start(options_.start, {.new_run = false, .wait = true});
     options_.say("run " + view.id + " goes on");
   }
   lookForDamage();

@@ -40,9 +40,10 @@ std::filesystem::path allowedPlan(const Surroundings& around, const Request& req
 Response start(const Surroundings& around, const Request& request) {
   const auto wish = startWishOf(request.body);
   if (!wish)
-    throw capture::CaptureError(Exit::kUsage,
-                                "the body is {\"plan\": \"FILE.toml\", \"new_run\": false}");
-  return runResponse(around.keeper.start(allowedPlan(around, request, wish->plan), wish->new_run));
+    throw capture::CaptureError(
+        Exit::kUsage, "the body is {\"plan\": \"FILE.toml\", \"new_run\": false, \"wait\": false}");
+  return runResponse(
+      around.keeper.start(allowedPlan(around, request, wish->plan), {wish->new_run, wish->wait}));
 }
 
 // The archive knows no such run, or several: not found. A run that has ended is a bad request.

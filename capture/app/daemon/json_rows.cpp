@@ -243,10 +243,12 @@ std::string listJson(const std::string& name, const std::vector<std::string>& it
 std::optional<StartWish> startWishOf(const std::string& body) {
   const Json json = parsed(body);
   if (!json.is_object() || !json.contains("plan") || !json["plan"].is_string()) return std::nullopt;
-  StartWish wish{json["plan"].get<std::string>(), false};
+  StartWish wish{json["plan"].get<std::string>()};
   for (const auto& [key, value] : json.items()) {
     if (key == "new_run" && value.is_boolean())
       wish.new_run = value.get<bool>();
+    else if (key == "wait" && value.is_boolean())
+      wish.wait = value.get<bool>();
     else if (key != "plan")
       return std::nullopt;
   }
@@ -254,7 +256,7 @@ std::optional<StartWish> startWishOf(const std::string& body) {
 }
 
 std::string jsonOf(const StartWish& wish) {
-  return textOf(Json{{"plan", wish.plan}, {"new_run", wish.new_run}});
+  return textOf(Json{{"plan", wish.plan}, {"new_run", wish.new_run}, {"wait", wish.wait}});
 }
 
 std::vector<RunView> runsOf(const std::string& list) {

@@ -44,10 +44,11 @@ std::string jsonOf(const DaemonStatus& status);
 std::string listJson(const std::string& name, const std::vector<std::string>& items,
                      std::optional<std::int64_t> next = {});
 
-// {"plan": "FILE.toml", "new_run": false}, and nothing else.
+// {"plan": "FILE.toml", "new_run": false, "wait": false}, and nothing else.
 struct StartWish {
   std::string plan;
   bool new_run = false;
+  bool wait = false;  // for a camera that is not there
 };
 std::optional<StartWish> startWishOf(const std::string& body);
 std::string jsonOf(const StartWish& wish);

@@ -197,10 +197,10 @@ void RunKeeper::trouble(ActiveRun& run, const std::string& what) {
   if (run.setTrouble(what)) note(run.id(), "trouble", what);
 }
 
-RunView RunKeeper::start(const std::filesystem::path& plan, bool new_run) {
-  const std::lock_guard lock(mutex_);
+RunKeeper::Admitted RunKeeper::admit(const std::filesystem::path& plan, bool new_run) {
   if (shut_) throw CaptureError(Exit::kTemporary, "the daemon is shutting down");
-  RunFiles files = readRunFiles(plan, {});
+  Admitted admitted;
+  RunFiles& files = admitted.files = readRunFiles(plan, {});
   sweep();
   for (const auto& [id, run] : runs_) {
     if (run->row().specimen != files.plan.specimen) continue;
@@ -209,17 +209,35 @@ RunView RunKeeper::start(const std::filesystem::path& plan, bool new_run) {
                                                " is going on: stop or abort it first");
     if (run->row().plan_sha256 != files.plan.sha256) continue;
     refuseWhileStopping(*run);
-    if (run->working()) return viewOf(rowOf(id));
+    if (run->working()) {
+      admitted.going = viewOf(rowOf(id));
+      return admitted;
+    }
   }
-  std::string own_id;
   for (const db::RunRow& row : options_.archive.reader().runs())
     if (capture::isUnfinished(row) && row.plan_sha256 == files.plan.sha256 && !new_run)
-      own_id = row.id;
-  RunFiles claimed = files;
-  keepOnlyPlanned(claimed);
-  refuseOverlap(claimed, own_id);
-  const capture::RunStart begun =
-      capture::startRun(files.plan, files.rig, options_.archive, options_.clock, {new_run, {}});
+      admitted.unfinished = row.id;
+  admitted.claimed = files;
+  keepOnlyPlanned(admitted.claimed);
+  refuseOverlap(admitted.claimed, admitted.unfinished);
+  return admitted;
+}
+
+RunView RunKeeper::start(const std::filesystem::path& plan, const StartOptions& how) {
+  std::unique_lock lock(mutex_);
+  Admitted admitted = admit(plan, how.new_run);
+  if (admitted.going) return *admitted.going;
+  if (options_.require_cameras && !how.wait && admitted.unfinished.empty()) {
+    // Cameras take their time to open: meanwhile the others go on.
+    lock.unlock();
+    options_.require_cameras(admitted.claimed.rig, options_.clock);
+    lock.lock();
+    admitted = admit(plan, how.new_run);
+    if (admitted.going) return *admitted.going;
+  }
+  RunFiles& claimed = admitted.claimed;
+  const capture::RunStart begun = capture::startRun(
+      admitted.files.plan, admitted.files.rig, options_.archive, options_.clock, {how.new_run, {}});
   options_.archive.changeRunState(begun.run_id, {"stopped"}, "running");
   const db::RunRow row = rowOf(begun.run_id);
   claimed.plan.seed = row.seed;

@@ -30,10 +30,18 @@ struct KeeperOptions {
   RunObserver& observer;
   // On the run's own thread, where its devices live and die. openRig() but in tests.
   std::function<devices::Rig(const RunFiles&, const capture::RunStart&, devices::Clock&)> open_rig;
+  // Throws when a camera that a new run needs is not there; null: nobody looks. On the asker's
+  // thread.
+  std::function<void(const devices::RigSpec&, devices::Clock&)> require_cameras;
   // Tells people what their plans ask to be told; null: nobody. Outlives us.
   capture::notify::Dispatcher* dispatcher = nullptr;
   // A run is finished: its products are due. Returns at once. On the run's thread.
   std::function<void(const std::string& run_id)> finished;
+};
+
+struct StartOptions {
+  bool new_run = false;
+  bool wait = false;  // begin although a camera is not there
 };
 
 // Thread-safe. Archive, clock and observer outlive it. Throws capture::CaptureError,
@@ -50,8 +58,9 @@ class RunKeeper {
   void retry();
 
   // A new run, or the unfinished one of the very same plan, which may be going on already.
-  // kTemporary, naming the other run, when that holds a device this one needs.
-  RunView start(const std::filesystem::path& plan, bool new_run);
+  // kTemporary, naming the other run, when that holds a device this one needs; kUnavailable when a
+  // camera of a new run is not there.
+  RunView start(const std::filesystem::path& plan, const StartOptions& how);
   // Each may be asked for again. `run` is an id, a unique prefix, or "latest". kUsage when the run
   // has ended.
   RunView pause(const std::string& run);   // at the next step; what falls due is skipped
@@ -73,6 +82,13 @@ class RunKeeper {
   db::RunRow ownRow(const std::string& run) const;  // of a run that was captured
   Run find(const std::string& id) const;
   Run adopt(const db::RunRow& row);
+  // What start() is to begin; `going`: is at work already.
+  struct Admitted {
+    RunFiles files, claimed;  // the plan's, and what it uses of its rig
+    std::string unfinished;   // the run of the very same plan; empty: a new one
+    std::optional<RunView> going;
+  };
+  Admitted admit(const std::filesystem::path& plan, bool new_run);
   void refuseOverlap(const RunFiles& files, const std::string& own_id) const;
   void launch(const Run& run, const RunFiles& files, const capture::RunStart& start);
   void tryToLaunch(const Run& run);

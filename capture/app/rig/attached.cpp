@@ -3,9 +3,29 @@
 
 #include <future>
 
+#include "capture/app/rig/host_devices.h"
+#include "capture/failure.h"
 #include "devices/host/driver_link.h"
 
 namespace patina::rig {
+namespace {
+
+constexpr Nanoseconds kLookLimit = std::chrono::seconds(10);
+
+std::string camerasOf(const Attached& all) {
+  std::string text;
+  for (const devices::FoundDevice& device : all.devices) {
+    if (device.kind != "camera") continue;
+    if (!text.empty()) text += ", ";
+    text.append(device.backend).append(" '").append(device.model).append("'");
+    if (!device.serial.empty()) text.append(" serial ").append(device.serial);
+    text.append(" at ").append(device.address);
+    if (!device.state.empty()) text.append(" (").append(device.state).append(")");
+  }
+  return text.empty() ? "no camera that can be looked for" : text;
+}
+
+}  // namespace
 
 void markTwins(std::vector<devices::FoundDevice>& devices) {
   for (devices::FoundDevice& one : devices)
@@ -43,6 +63,34 @@ Attached findAll(Nanoseconds limit, const std::vector<std::string>& command) {
   }
   markTwins(all.devices);
   return all;
+}
+
+void requireCameras(const devices::RigSpec& spec, devices::Clock& clock,
+                    const std::vector<std::string>& command) {
+  std::vector<std::string> real;
+  for (const devices::CameraSpec& camera : spec.cameras)
+    if (camera.backend != kTwinBackend) real.push_back(camera.id);
+  if (real.empty()) return;
+  std::string missing;
+  {
+    devices::Rig rig = openHosted(onlyThese(spec, real), {}, clock, command);
+    std::vector<std::future<devices::Result<void>>> opening;
+    for (const auto& camera : rig.cameras)
+      opening.push_back(std::async(std::launch::async,
+                                   [&camera] { return camera->recover(devices::Rung::kReopen); }));
+    for (std::size_t i = 0; i < opening.size(); ++i)
+      if (const auto opened = opening[i].get(); !opened)
+        missing.append("camera '")
+            .append(real[i])
+            .append("' cannot be opened (")
+            .append(opened.error().what)
+            .append("). ");
+  }
+  if (missing.empty()) return;
+  throw capture::CaptureError(
+      Exit::kUnavailable, missing + "Attached: " + camerasOf(findAll(kLookLimit, command)) +
+                              ". Switch it on or mend the rig file (`patina devices` shows what "
+                              "to write); --wait begins all the same and waits for it");
 }
 
 }  // namespace patina::rig

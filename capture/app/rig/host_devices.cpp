@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/app/rig/host_devices.h"
 
+#include <algorithm>
 #include <map>
 
 #include "devices/host/hosted_devices.h"
@@ -56,6 +57,10 @@ class Processes {
     options.hello.start_utc = world_.start_utc;
     options.hello.memory_max_bytes = kMemoryMaxBytes;
     if (!command_.empty()) options.command = command_;
+    // A process that takes long for a call takes long to begin.
+    for (const devices::CameraSpec& camera : spec_.cameras)
+      if (camera.id == group.devices.front())
+        options.start_limit = std::max(options.start_limit, camera.call_limit);
     for (const devices::HostSpec& host : spec_.hosts)
       if (host.id == group.on) options.remote = {host.address, host.key};
     return options;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina capture PLAN: the plan now, in real time.
+#include "capture/app/rig/attached.h"
 #include "capture/app/verbs/run_session.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/notify/run_notices.h"
@@ -10,8 +11,15 @@ namespace {
 void runCapture(Context& context, const RunOptions& options) {
   const RunFiles files = readRunFiles(context, options.plan);
   OwnedArchive archive(context, options);
+  capture::SessionOptions session{options.new_run, {}};
+  if (!options.wait)
+    session.before_new = [&] {
+      RunFiles planned = files;
+      daemon::keepOnlyPlanned(planned);
+      rig::requireCameras(planned.rig, context.clock);
+    };
   const capture::RunStart start =
-      capture::startRun(files.plan, files.rig, *archive, context.clock, {options.new_run, {}});
+      capture::startRun(files.plan, files.rig, *archive, context.clock, session);
   namespace notify = capture::notify;
   notify::Channels channels =
       notify::openChannels(files.plan.alerts, notify::aboutOf(files.plan, files.rig, start.run_id),
@@ -39,6 +47,8 @@ void addCaptureVerb(Verb root) {
                         "patina capture examples/banana/plan.toml --archive banana",
                         [options](Context& context) { runCapture(context, *options); });
   addRunOptions(verb, options);
+  verb.flag("--wait", options->wait,
+            "Begin a new run although a camera is not there yet, and wait for it step by step");
 }
 
 }  // namespace patina::app

@@ -52,10 +52,9 @@ void tellRun(Context& context, const std::string& answer) {
   for (const daemon::RunView& view : daemon::runsOf(answer)) context.out.add(itemOf(view));
 }
 
-void start(Context& context, const std::string& plan, bool new_run) {
-  const auto path = std::filesystem::absolute(plan).lexically_normal();
-  tellRun(context, callDaemon(context, "POST", "/api/v1/runs",
-                              daemon::jsonOf(daemon::StartWish{path.string(), new_run})));
+void start(Context& context, daemon::StartWish wish) {
+  wish.plan = std::filesystem::absolute(wish.plan).lexically_normal().string();
+  tellRun(context, callDaemon(context, "POST", "/api/v1/runs", daemon::jsonOf(wish)));
 }
 
 void list(Context& context) {
@@ -116,14 +115,14 @@ std::vector<daemon::RunView> runsOfDaemon(const Context& context) {
 
 void addRunVerbs(Verb root) {
   Verb group = root.group("run", "Runs of the daemon: start, see, pause, stop");
-  auto plan = std::make_shared<std::string>();
-  auto new_run = std::make_shared<bool>(false);
+  auto wish = std::make_shared<daemon::StartWish>();
   group
       .verb("start", "Starts a plan, or goes on with its unfinished run",
             "patina run start examples/banana/plan.toml --archive banana",
-            [plan, new_run](Context& context) { start(context, *plan, *new_run); })
-      .required("PLAN", *plan, "The plan's .toml file")
-      .flag("--new-run", *new_run, "Abort an unfinished run of the specimen and begin another");
+            [wish](Context& context) { start(context, *wish); })
+      .required("PLAN", wish->plan, "The plan's .toml file")
+      .flag("--new-run", wish->new_run, "Abort an unfinished run of the specimen and begin another")
+      .flag("--wait", wish->wait, "Begin although a camera is not there yet, and wait for it");
   group.verb("list", "All runs of the archive", "patina run list --archive banana",
              [](Context& context) { list(context); });
   auto run = std::make_shared<std::string>();

@@ -20,6 +20,7 @@ namespace patina::app {
 struct RunOptions {
   std::string plan;
   bool new_run = false;
+  bool wait = false;          // `capture`: begin although a camera is not there
   std::string log_acks;       // hidden: file, or number of an open file; a line a frame
   std::string power_cut_log;  // hidden: folder of db/power_cut.h
 };

@@ -47,6 +47,25 @@ TEST_F(Capture, ShootsAtOnceOnSigusr1) {
               std::isnan(steps.number("/items/1/number")));
 }
 
+TEST_F(Capture, RefusesANewRunWithoutItsCameraUnlessItMayWait) {
+  writeFile(files_ / "rig.toml",
+            "name = \"door\"\n[[camera]]\nid = \"cam0\"\nbackend = \"network\"\nsettings = { url = "
+            "\"http://127.0.0.1:1/\", fixed_exposure = \"1/100\" }\n");
+  writeFile(files_ / "door.toml",
+            "rig = \"rig.toml\"\nspecimen = \"door\"\ninterval = \"1s\"\nduration = \"2s\"\n"
+            "[[sweep]]\nlights = [[]]\nexposures = [\"1/100\"]\n");
+  std::vector<std::string> capture = {"capture", files_ / "door.toml", "--archive", archive_,
+                                      "--json"};
+  const Finished refused = runPatina(capture);
+  EXPECT_EQ(refused.exit, 69);
+  EXPECT_THAT(refused.err, ::testing::HasSubstr("camera 'cam0' cannot be opened"));
+  const std::vector<std::string> list = {"archive", "list", "--archive", archive_, "--json"};
+  EXPECT_EQ(answerOf(runPatina(list)).size("/items"), 0u);
+  capture.push_back("--wait");
+  const JsonAnswer answer = answerOf(runPatina(capture));
+  EXPECT_EQ(answer.number("/items/0/failed") + answer.number("/items/0/skipped"), 2);
+}
+
 TEST_F(Capture, HasTheArchiveForItself) {
   Child child(command());
   pipe_.line();

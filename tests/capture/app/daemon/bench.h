@@ -119,11 +119,15 @@ class Bench {
           if (!no_rig.empty()) throw capture::CaptureError(Exit::kUnavailable, no_rig);
           return openRig(files, start, time);
         },
+        [this](const devices::RigSpec&, devices::Clock&) {
+          ++asked_for_cameras;
+          if (!no_camera.empty()) throw capture::CaptureError(Exit::kUnavailable, no_camera);
+        },
         dispatcher, [this](const std::string& run_id) { finished.push_back(run_id); }});
   }
 
   RunView start(const std::string& plan = "card", bool new_run = false) {
-    return keeper->start(folder / (plan + ".toml"), new_run);
+    return keeper->start(folder / (plan + ".toml"), {new_run, false});
   }
   std::string stateOf(const std::string& run_id) { return archive->reader().findRun(run_id).state; }
   std::vector<std::string> decisions(const std::string& run_id) {
@@ -137,6 +141,8 @@ class Bench {
   testing::TempFolder folder = testing::TempFolder::inMemory();
   devices::VirtualClock clock{parseUtc("2024-05-01T12:00:00Z")};
   Watcher watcher;
+  std::string no_camera;  // what is said of a new run's cameras
+  int asked_for_cameras = 0;
   std::string no_rig;                                 // why the devices cannot be opened
   capture::notify::Dispatcher* dispatcher = nullptr;  // from the next open() on
   std::vector<std::string> finished;

@@ -284,6 +284,24 @@ TEST(RunKeeper, APlanThatIsWrongChangesNothing) {
   EXPECT_THAT(bench.archive->reader().runs(), IsEmpty());
 }
 
+TEST(RunKeeper, ANewRunWithoutItsCamerasIsRefusedUnlessItMayWait) {
+  Bench bench;
+  bench.no_camera = "camera 'cam0' cannot be opened";
+  EXPECT_THROW(bench.start(), capture::CaptureError);
+  EXPECT_THAT(bench.archive->reader().runs(), IsEmpty());
+  EXPECT_THAT(bench.keeper->runs(), IsEmpty());
+  bench.watcher.on_frame = [&](const std::string& run, int count) {
+    if (count == 3) bench.keeper->stop(run);
+  };
+  const std::string id = bench.keeper->start(bench.folder / "card.toml", {false, true}).id;
+  bench.watcher.waitForEnd(id);
+  bench.watcher.begin(id);
+  EXPECT_EQ(bench.start().id, id);  // it goes on: nobody looks
+  bench.watcher.waitForEnd(id);
+  EXPECT_EQ(bench.decisions(id), times(12, "captured"));
+  EXPECT_EQ(bench.asked_for_cameras, 1);
+}
+
 TEST(RunKeeper, ANewRunIsRefusedWhileTheOldOneOfItsSpecimenGoesOn) {
   Bench bench;
   std::string refusal;

@@ -6,6 +6,9 @@
 
 #include <cstdlib>
 
+#include "capture/failure.h"
+#include "tests/support/loopback/snapshots.h"
+
 namespace patina::rig {
 namespace {
 
@@ -45,6 +48,53 @@ TEST(Attached, ABackendThatDoesNotAnswerIsNamed) {
   std::size_t finders = 0;
   for (const Backend& backend : backends()) finders += backend.find != nullptr;
   EXPECT_EQ(all.failures.size(), finders);
+}
+
+devices::RigSpec snapshotRig(const std::string& address) {
+  return devices::parseRig(
+      "[[camera]]\nid = \"cam0\"\nbackend = \"network\"\n"
+      "settings = { url = \"http://" +
+          address +
+          "/\", fixed_exposure = \"1/100\" }\n"
+          "[[camera]]\nid = \"cam1\"\nbackend = \"twin\"\n[twin]\nsize = \"64x48\"\n",
+      "rig.toml");
+}
+
+std::vector<std::string> deviceHost() { return {std::getenv("PATINA_PROGRAM"), "device-host"}; }
+
+TEST(RequireCameras, OneThatIsNotThereIsNamedWithWhatIsAttachedAndWhatToDo) {
+  std::string gone;
+  {
+    const patina::testing::LoopbackServer server([](patina::testing::Peer&) {});
+    gone = server.address();
+  }
+  devices::RealClock clock;
+  try {
+    requireCameras(snapshotRig(gone), clock, deviceHost());
+    FAIL() << "nobody is there";
+  } catch (const capture::CaptureError& error) {
+    EXPECT_EQ(error.exit(), Exit::kUnavailable);
+    EXPECT_THAT(error.what(), HasSubstr("camera 'cam0' cannot be opened (driver of 'cam0'"));
+    EXPECT_THAT(error.what(), HasSubstr("Attached: "));
+    EXPECT_THAT(error.what(), HasSubstr("--wait"));
+  }
+}
+
+TEST(RequireCameras, OneThatOpensIsEnough) {
+  const patina::testing::LoopbackServer server([](patina::testing::Peer& peer) {
+    peer.receiveHead();
+    peer.send(patina::testing::ok(patina::testing::jpeg(1)));
+  });
+  devices::RealClock clock;
+  EXPECT_NO_THROW(requireCameras(snapshotRig(server.address()), clock, deviceHost()));
+  EXPECT_GT(server.connections(), 0);
+}
+
+TEST(RequireCameras, TheTwinsAreThereAnyway) {
+  devices::RealClock clock;
+  const auto spec =
+      devices::parseRig("[[camera]]\nid = \"cam0\"\nbackend = \"twin\"\n[twin]\n", "rig.toml");
+  EXPECT_NO_THROW(requireCameras(spec, clock, {"/bin/false"}));
 }
 
 }  // namespace
