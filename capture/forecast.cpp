@@ -11,6 +11,7 @@ namespace {
 // Rows of the catalogue and lines of the journal, measured: a step with one shot, one frame and
 // three light verdicts.
 constexpr std::int64_t kBytesAStep = 600, kBytesAShot = 1000, kBytesACheck = 500;
+constexpr std::int64_t kBytesAReading = 350;
 
 template <class T>
 const T* byId(const std::vector<T>& list, const std::string& id) {
@@ -51,7 +52,11 @@ void countShots(const Plan& plan, const devices::RigSpec& rig, const ForecastInp
       if (caps->has_shutter) out.actuations[id] += each * out.steps;
     }
   }
-  out.catalogue_bytes = out.steps * kBytesAStep + out.shots * kBytesAShot + checks * kBytesACheck;
+  std::int64_t rounds = out.steps;
+  if (plan.read_sensors_every) rounds += plan.duration / *plan.read_sensors_every;
+  out.readings = rounds * static_cast<std::int64_t>(rig.sensors.size());
+  out.catalogue_bytes = out.steps * kBytesAStep + out.shots * kBytesAShot + checks * kBytesACheck +
+                        out.readings * kBytesAReading;
 }
 
 void countTimes(const Plan& plan, const devices::RigSpec& rig, const ForecastInputs& inputs,
@@ -158,6 +163,10 @@ void warnOfSteps(const Plan& plan, const devices::RigSpec& rig, const ForecastIn
         out.warnings.push_back("a window of " + formatDuration(open) +
                                " is shorter than the interval: some days may have no step");
     }
+  if (plan.read_sensors_every && rig.sensors.empty())
+    out.warnings.emplace_back("the plan reads sensors every " +
+                              formatDuration(*plan.read_sensors_every) +
+                              ", but the rig has no [[sensor]]");
   warnOfDisk(plan, inputs, out);
   if (plan.light_check.mode == LightMode::kUncontrolled) return;
   const bool lux = std::any_of(rig.sensors.begin(), rig.sensors.end(), [](const auto& s) {

@@ -25,6 +25,7 @@ struct ForecastInputs {
 
 struct Forecast {
   std::int64_t steps = 0, shots = 0;
+  std::int64_t readings = 0;  // of sensors, at most
   std::int64_t frame_bytes = 0, catalogue_bytes = 0;
   std::map<std::string, double> lamp_hours;        // by light id
   std::map<std::string, std::int64_t> actuations;  // by camera id; mechanical shutters only

@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 constexpr Nanoseconds kIntervalLeast = 50ms, kIntervalMost = 24h * 366;
 constexpr Nanoseconds kDurationMost = 24h * 366 * 20;
 constexpr Nanoseconds kExposureLeast = 1us, kExposureMost = 1h;
+constexpr Nanoseconds kSensorsLeast = 1s, kSensorsMost = 24h;
 constexpr std::int64_t kStepsMost = 1'000'000'000;
 constexpr std::uint64_t kDiskReserveDefault = 64'000'000;  // the catalogue's room to tell its end
 
@@ -137,6 +138,14 @@ LightCheck takeLightCheck(ConfigTable& table, Nanoseconds interval) {
   return check;
 }
 
+std::optional<Nanoseconds> takeSensors(ConfigTable& root) {
+  auto sensors = root.takeTable("sensors");
+  if (!sensors) return std::nullopt;
+  const Nanoseconds every = sensors->takeDuration("every", kSensorsLeast, kSensorsMost);
+  sensors->finish();
+  return every;
+}
+
 void takeDiskAfterAlerts(ConfigTable& root, Plan& plan) {
   plan.disk_reserve_bytes = kDiskReserveDefault;
   if (auto disk = root.takeTable("disk")) {
@@ -197,6 +206,7 @@ Plan parsePlan(const std::string& toml, const std::filesystem::path& source) {
     late->takeChoice("policy", {"skip"}, "skip");
     late->finish();
   }
+  plan.read_sensors_every = takeSensors(root);
   takeDiskAfterAlerts(root, plan);
   root.finish();
   if (plan.sweeps.empty())

@@ -43,6 +43,8 @@ struct Plan {
   LatePolicy late = LatePolicy::kSkip;
   std::uint64_t disk_reserve_bytes = 0;
   std::vector<std::string> after;  // "ttf" "film"
+  // Besides at every step; nothing: at steps alone.
+  std::optional<Nanoseconds> read_sensors_every;
   AlertSettings alerts;
   std::string toml, sha256;  // as read
   std::filesystem::path source;

@@ -32,7 +32,11 @@ void Session::wait(const Decision& d) {
     state_.awake_mono = clock_.mono();
     runner_.alerts().look(moment());
     if (hooks_.on_alive) hooks_.on_alive();
-    clock_.sleepUntil(std::min(until, clock_.mono() + piece), hooks_.stop);
+    try {
+      runner_.sleepUntil(std::min(until, clock_.mono() + piece));
+    } catch (const db::DiskFull& full) {
+      diskIsFull(full.what());
+    }
   }
   if (until < d.due_mono) runner_.keepAwake();
 }

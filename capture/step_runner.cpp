@@ -36,7 +36,8 @@ StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive
       gate_(plan.light_check, rig.spec.sensors, run_id),
       alerts_(
           plan.alerts.rules, [this](UtcTime, const std::string& detail) { event("alarm", detail); },
-          hooks.on_alert) {
+          hooks.on_alert),
+      sensors_(rig, archive, clock, run_id, plan.read_sensors_every, alerts_) {
   for (auto& camera : rig.cameras)
     units_.push_back(
         std::make_unique<CameraUnit>(camera, patchOf(rig.spec, camera->caps().id), clock, bell_));
@@ -84,8 +85,7 @@ void StepRunner::start(std::int64_t next_number) {
   for (const devices::Error& error : lamps_.start()) event("recover", error.what);
   for (const devices::Error& error : lines_.start()) event("recover", error.what);
   if (next_number > 0) lamps_.rest();  // a run that goes on: kept lamps as they were
-  for (const auto& sensor : rig_.sensors)
-    if (auto up = sensor->recover(); !up) event("recover", up.error().what);
+  for (const devices::Error& error : sensors_.start()) event("recover", error.what);
 }
 
 void StepRunner::end() { lamps_.allOff(); }
@@ -95,6 +95,11 @@ void StepRunner::keepAwake() {
     for (const std::string& said : unit->takeEvents()) event("camera", unit->id() + ": " + said);
     if (!unit->ladder().troubled()) unit->poll();
   }
+}
+
+void StepRunner::sleepUntil(MonoTime due) {
+  const auto lit = lamps_.lit();
+  sensors_.sleepUntil(due, {{}, &lit}, hooks_.stop);
 }
 
 // The end of a slot is for rows and files, which take time on a real clock alone.
@@ -125,59 +130,12 @@ std::vector<StepRunner::Group> StepRunner::groups() {
   return out;
 }
 
-void StepRunner::readSensors() {
-  std::vector<db::ReadingRow> rows;
-  for (const auto& sensor : rig_.sensors) {
-    const auto& caps = sensor->caps();
-    db::ReadingRow row;
-    row.run_id = run_id_;
-    row.step_id = now_.step->id;
-    row.device_id = caps.id;
-    row.quantity = devices::name(caps.quantity);
-    row.unit = devices::unit(caps.quantity);
-    row.utc = clock_.utc();
-    const auto reading = sensor->read();
-    if (reading) {
-      row.value = reading->value;
-      row.utc = reading->utc;
-      row.quality = reading->saturated ? "saturated" : "ok";
-      alerts_.clear(AlertKind::kSensorSilent, caps.id, moment());
-      sensors_.atRest({caps.id, caps.quantity, *reading}, lamps_.lit());
-      watchSensor(caps.id);
-    } else {
-      row.quality = "silent";
-      alerts_.raise(AlertKind::kSensorSilent, caps.id, reading.error().what, moment());
-      static_cast<void>(sensor->recover());
-    }
-    rows.push_back(std::move(row));
-  }
-  if (!rows.empty()) archive_.addReadings(rows);
-}
-
-void StepRunner::watchSensor(const std::string& id) {
-  const std::string doubt = sensors_.doubt(id);
-  if (doubt.empty())
-    alerts_.clear(AlertKind::kSensorDoubtful, id, moment());
-  else
-    alerts_.raise(AlertKind::kSensorDoubtful, id, doubt, moment());
-}
-
-std::vector<SensorSample> StepRunner::sensorSamples(bool lux) {
-  std::vector<SensorSample> out;
-  for (const auto& sensor : rig_.sensors) {
-    const auto& caps = sensor->caps();
-    if ((caps.quantity == devices::Quantity::kIlluminance) != lux) continue;
-    if (const auto reading = sensor->read()) out.push_back({caps.id, caps.quantity, *reading});
-  }
-  return out;
-}
-
 // Temperature, humidity: before a shutter is worn on a shot that would not be taken.
 bool StepRunner::ambientIsFine() {
   LightSample sample;
   sample.step_id = now_.step->id;
   sample.light_state = "off";
-  sample.sensors = sensorSamples(false);
+  sample.sensors = sensors_.ambient();
   sample.utc = clock_.utc();
   if (sample.sensors.empty()) return true;
   const GateVerdict verdict = gate_.judge(sample);
@@ -251,7 +209,8 @@ bool StepRunner::waitForLight() {
   const MonoTime due = clock_.mono() + poll;
   if (due >= until) return false;
   lamps_.rest();
-  return clock_.sleepUntil(due, hooks_.stop) == devices::Wake::kDue;
+  const auto lit = lamps_.lit();
+  return sensors_.sleepUntil(due, {now_.step->id, &lit}, hooks_.stop) == devices::Wake::kDue;
 }
 
 bool StepRunner::run(db::StepRow& step, MonoTime slot_end) {
@@ -260,7 +219,8 @@ bool StepRunner::run(db::StepRow& step, MonoTime slot_end) {
   now_.slot_end = slot_end;
   if (step.number) sequence_ = std::max(sequence_, firstSequence(*step.number + 1));
   for (const auto& unit : units_) unit->newStep();
-  readSensors();
+  const auto lit = lamps_.lit();
+  sensors_.round({step.id, &lit});
   auto pending = groups();
   bool fine = ambientIsFine();
   while (!hooks_.stop.stop_requested()) {

@@ -23,7 +23,7 @@
 #include "capture/lamps.h"
 #include "capture/light_gate.h"
 #include "capture/plan.h"
-#include "capture/sensor_watch.h"
+#include "capture/sensor_rounds.h"
 #include "capture/session.h"
 #include "capture/shutter_lines.h"
 #include "db/archive.h"
@@ -48,6 +48,9 @@ class StepRunner {
   void start(std::int64_t next_number);
   void end();        // lamps off
   void keepAwake();  // between steps: drains events, so that no camera falls asleep
+  // Between steps, until then or until the session is to stop: sensors are read on their period.
+  // DiskFull: not all of their rows could be written; to be called again.
+  void sleepUntil(MonoTime due);
 
   // Shoots the step and fills in its decision. The caller has begun its row, and finishes it when
   // the answer is false: a whole step's row rides in the commit of its last frame.
@@ -87,7 +90,6 @@ class StepRunner {
 
   Moment moment() const { return {clock_.utc(), clock_.mono()}; }
   std::vector<Group> groups();
-  void readSensors();
   bool ambientIsFine();
   void tryGroup(Group& group);
   bool shoot(Group& group);  // false: the light was bad
@@ -105,7 +107,6 @@ class StepRunner {
   void accept(Attempt& attempt, Group& group, std::span<const db::LightCheckRow> checks);
   void watchLight(const std::string& state, const GateVerdict& verdict);
   void watchClipping(const Attempt& attempt, const std::string& state);
-  void watchSensor(const std::string& id);
   void fail(Attempt& attempt, const devices::Error& error);
   void settled(const db::ShotRow& shot);
   void verdicts(std::span<const db::LightCheckRow> rows);
@@ -117,7 +118,6 @@ class StepRunner {
   MonoTime workEnds() const;  // when nobody is waited for or tried again any more
   bool waitForLight();
   void decide(db::StepRow& step) const;
-  std::vector<SensorSample> sensorSamples(bool lux);
 
   const Plan& plan_;
   devices::Rig& rig_;
@@ -130,8 +130,8 @@ class StepRunner {
   Lamps lamps_;
   ShutterLines lines_;
   LightGate gate_;
-  SensorWatch sensors_;
   Alerts alerts_;
+  SensorRounds sensors_;
   EventLog log_;
   std::string light_summary_;
   int shots_due_ = 0;

@@ -32,7 +32,8 @@ bool isDark(const GateVerdict& verdict) { return whatPatchesSee(verdict) == Patc
 devices::Result<void> StepRunner::light(const Group& group) {
   const auto settled = lamps_.apply(*group.lights, plan_.light_check.settle);
   if (!settled) return tl::make_unexpected(settled.error());
-  if (*settled > clock_.mono()) clock_.sleepUntil(*settled, hooks_.abort);
+  if (*settled > clock_.mono())
+    sensors_.sleepUntil(*settled, {now_.step->id, nullptr}, hooks_.abort);
   return {};
 }
 
@@ -153,8 +154,8 @@ void StepRunner::expose(std::vector<Attempt>& attempts, const Group& group) {
       a.picture = a.unit->collect(group.exposure, now_.slot_end, !group.lights->empty());
   for (Attempt& a : attempts)
     if (a.shot.state == db::ShotState::kArmed)
-      bell_->wait(clock_, waitForPicture(*a.unit, group, shutter),
-                  [&a] { return a.picture->ready(); });
+      sensors_.wait(*bell_, waitForPicture(*a.unit, group, shutter), {now_.step->id, nullptr},
+                    [&a] { return a.picture->ready(); });
 }
 
 void StepRunner::inspect(Attempt& a) {
@@ -204,15 +205,13 @@ GateVerdict StepRunner::judge(const Group& group, const std::vector<Attempt>& at
   for (const Attempt& a : attempts)
     if (a.good && a.check().patch)
       sample.patches.push_back({a.unit->id(), *a.check().patch, a.shot.id});
-  sample.sensors = sensorSamples(true);
+  sample.sensors = sensors_.lux();
   GateVerdict verdict = gate_.judge(sample);
   if (const std::string like = verdict.blocks ? gate_.lightLike(verdict.rows) : ""; !like.empty())
     verdict.reason += "; that is the light of " + like + ": is the wrong lamp lit?";
-  for (const SensorSample& lux : sample.sensors) {
+  for (const SensorSample& lux : sample.sensors)
     sensors_.duringShot(lux, group.state, *group.lights,
                         whatPatchesSee(verdict) == PatchesSee::kLight);
-    watchSensor(lux.id);
-  }
   return verdict;
 }
 

@@ -142,5 +142,24 @@ TEST(Forecast, WarnsOfAnExposureTheCameraCannotMake) {
   EXPECT_THAT(c.run().warnings, Contains(HasSubstr("cannot expose 1/10")));
 }
 
+TEST(Forecast, CountsReadingsAtEveryStepAndOnThePeriod) {
+  Case c;
+  EXPECT_EQ(c.run().readings, 0);
+  const auto without = c.run().catalogue_bytes;
+  c.rig.sensors.resize(2);
+  EXPECT_EQ(c.run().readings, 2 * 1008);
+  c.plan.read_sensors_every = 1min;
+  EXPECT_EQ(c.run().readings, 2 * (1008 + 7 * 24 * 60));
+  EXPECT_GT(c.run().catalogue_bytes, without + c.run().readings * 100);
+}
+
+TEST(Forecast, WarnsOfAPeriodWithoutASensor) {
+  Case c;
+  c.plan.read_sensors_every = 1min;
+  EXPECT_THAT(c.run().warnings, Contains(HasSubstr("every 1min, but the rig has no [[sensor]]")));
+  c.rig.sensors.resize(1);
+  EXPECT_THAT(c.run().warnings, ::testing::Not(Contains(HasSubstr("[[sensor]]"))));
+}
+
 }  // namespace
 }  // namespace patina::capture

@@ -152,5 +152,13 @@ TEST(Plan, NamesALightThatTheRigDoesNotHave) {
   }
 }
 
+TEST(Plan, ReadsSensorsOnAPeriodOnlyWhenItSaysSo) {
+  EXPECT_EQ(parsePlan(kPlan, "week.toml").read_sensors_every, std::nullopt);
+  const std::string text = std::string(kPlan) + "[sensors]\nevery = ";
+  EXPECT_EQ(parsePlan(text + "\"90s\"\n", "week.toml").read_sensors_every, 90s);
+  EXPECT_THAT(errorOf(text + "\"100ms\"\n"), AllOf(HasSubstr("every"), HasSubstr("1s")));
+  EXPECT_THAT(errorOf(text + "\"1min\"\nwhich = 1\n"), HasSubstr("which"));
+}
+
 }  // namespace
 }  // namespace patina::capture

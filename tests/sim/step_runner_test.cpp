@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "tests/sim/simulation.h"
 
 namespace patina::testing {
@@ -150,6 +152,55 @@ TEST(StepRunner, GoesOnWithoutASensorThatFallsSilent) {
     silent += reading.quality == "silent" ? 1 : 0;
   EXPECT_EQ(silent, 3);
   EXPECT_EQ(sim.events("alarm").size(), 2u);
+}
+
+constexpr const char* kAir =
+    "[[sensor]]\nid = \"air0\"\nbackend = \"twin\"\nquantity = \"temperature\"\n";
+
+// From the first step to the last.
+void expectNoGap(Simulation& sim, Nanoseconds longest) {
+  std::optional<UtcTime> last;
+  for (const auto& reading : sim.reader().readings(sim.run_id)) {
+    EXPECT_LE(reading.utc - last.value_or(sim.t0), longest) << formatUtc(reading.utc);
+    last = reading.utc;
+  }
+  ASSERT_TRUE(last);
+  EXPECT_GE(*last, sim.t0 + sim.plan.duration - sim.plan.interval);  // the last step
+}
+
+TEST(StepRunner, ReadsSensorsOnThePlansPeriodBetweenStepsAndInAHeldOne) {
+  Simulation sim({.interval = "1h",
+                  .duration = "8h",
+                  .rig = kAir,
+                  .faults = "[[fault]]\nat = \"170min\"\ndevice = \"key\"\nkind = "
+                            "\"lamp_dead\"\nduration = \"150min\"\n"});
+  sim.plan.read_sensors_every = 5min;
+  sim.run();
+  expectNoGap(sim, 5min + 10s);
+  std::map<std::int64_t, int> of_step;
+  int between = 0;
+  for (const auto& reading : sim.reader().readings(sim.run_id))
+    reading.step_id ? ++of_step[*reading.step_id] : ++between;
+  const auto held = sim.reader().steps(sim.run_id, db::Decision::kHeld);
+  ASSERT_FALSE(held.empty());
+  EXPECT_GE(of_step[held[0].id], 10);  // the hour it was held for
+  EXPECT_EQ(of_step[sim.reader().step(sim.run_id, 0)->id], 1);
+  EXPECT_GT(between, 30);
+  sim.expectWhole();
+}
+
+TEST(StepRunner, ReadingSensorsOftenChangesNothingElse) {
+  const SimulationOptions options{.lights = R"([["key"], ["fill"]])", .rig = kAir};
+  Simulation seldom(options), often(options);
+  often.plan.read_sensors_every = 90s;
+  EXPECT_EQ(often.run().event_log_sha256, seldom.run().event_log_sha256);
+  EXPECT_GT(often.reader().readings(often.run_id).size(),
+            5 * seldom.reader().readings(seldom.run_id).size());
+  Simulation again(options);
+  again.plan.read_sensors_every = 90s;
+  again.run();
+  EXPECT_EQ(again.reader().readings(again.run_id).size(),
+            often.reader().readings(often.run_id).size());
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ void check(Context& context, const std::string& file) {
       .set("end_utc_ns", forecast.end)
       .set("steps", forecast.steps)
       .set("shots", forecast.shots)
+      .set("readings", forecast.readings)
       .set("sweep_ns", forecast.sweep)
       .bytes("frame_bytes", static_cast<std::uint64_t>(forecast.frame_bytes))
       .bytes("catalogue_bytes", static_cast<std::uint64_t>(forecast.catalogue_bytes));
