@@ -16,6 +16,7 @@ Facts optionsOf(const TtfRequest& request, const FramesReport& frames, SizePx si
   options.set("partial", request.selection.partial);
   options.set("light_gain", request.correction.light_gain);
   options.set("masters", frames.masters);
+  if (request.colour) options.text("colour", nameOf(*request.colour));
   options.number("scale", request.build.scale);
   const RectPx region = request.build.region.value_or(RectPx{0, 0, size.width, size.height});
   options.text("region", std::to_string(region.x) + "," + std::to_string(region.y) + "," +
@@ -73,12 +74,20 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
     throw WorkflowError(Exit::kUsage, "the region does not lie within the frames of " +
                                           std::to_string(whole.width) + "x" +
                                           std::to_string(whole.height) + " pixels");
+  std::optional<ColourFrames> coloured;
+  if (request.colour)
+    coloured.emplace(frames, reader, run.id, frames.report(), *request.colour,
+                     request.correction.stale);
+  ttf::FrameSource& source = coloured ? static_cast<ttf::FrameSource&>(*coloured) : frames;
   TtfOutcome outcome;
   outcome.size = request.build.region
                      ? SizePx{request.build.region->width, request.build.region->height}
                      : whole;
-  const Making making{request.command, optionsOf(request, frames.report(), whole), request.seed,
-                      request.version, frames.report().input_sha256s};
+  Making making{request.command, optionsOf(request, frames.report(), whole), request.seed,
+                request.version, frames.report().input_sha256s};
+  if (coloured)
+    for (const std::string& sha256 : coloured->report().input_sha256s)
+      making.input_sha256s.push_back(sha256);
   const ProductFile file =
       placeProduct(archive, freeProductId(reader, "ttf", run.id), "ttf.h5", request.out);
   ttf::TtfInfo about;
@@ -86,8 +95,11 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
   about.mm_per_texel = request.build.mm_per_texel;
   about.t0_utc = run.t0_utc;
   about.provenance_json = making.facts().json();
-  outcome.build = ttf::buildTtf(frames, request.build, about, file.path, progress);
-  if (!frames.bindings().empty()) db::ProductWriter::bind(archive, frames.bindings());
+  outcome.build = ttf::buildTtf(source, request.build, about, file.path, progress);
+  if (coloured) outcome.colour = coloured->report();
+  std::vector<db::FrameCalibrationRow> bindings = frames.bindings();
+  bindings.insert(bindings.end(), outcome.colour.bindings.begin(), outcome.colour.bindings.end());
+  if (!bindings.empty()) db::ProductWriter::bind(archive, bindings);
   outcome.frames = frames.report();
   outcome.path = file.path;
   const ttf::TtfReader built(file.path);

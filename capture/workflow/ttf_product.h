@@ -7,6 +7,7 @@
 #include <string>
 
 #include "capture/workflow/archive_frames.h"
+#include "capture/workflow/colour_frames.h"
 #include "capture/workflow/products.h"
 #include "processing/ttf/ttf_build.h"
 
@@ -16,8 +17,9 @@ struct TtfRequest {
   std::string run;  // id, unique prefix or "latest"
   FrameSelection selection;
   Correction correction;
-  ttf::BuildOptions build;    // `every` is the selection's
-  std::filesystem::path out;  // empty: inside the archive
+  std::optional<calibration::ColourSpace> colour;  // nothing: as the camera sees
+  ttf::BuildOptions build;                         // `every` is the selection's
+  std::filesystem::path out;                       // empty: inside the archive
   std::string command, version;
   std::uint64_t seed = 1;
   std::string process, licence;  // for the TTF database
@@ -27,6 +29,7 @@ struct TtfOutcome {
   db::ProductRow product;
   std::filesystem::path path;
   FramesReport frames;
+  ColourFramesReport colour;
   ttf::BuildReport build;
   SizePx size;  // of the texture
 };

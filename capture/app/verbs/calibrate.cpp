@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina calibrate dark | bias | flat: a master from a stack of pictures, kept in the archive.
 #include "capture/app/context.h"
+#include "capture/app/verbs/calibrate_verbs.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/workflow/master.h"
 
@@ -73,11 +74,12 @@ void addKind(Verb& group, const std::string& kind, const std::string& help) {
 
 void addCalibrateVerbs(Verb root) {
   Verb group = root.group("calibrate",
-                          "Masters from stacks of pictures: applied when a texture "
-                          "is built, never to the originals");
+                          "What frames are corrected by when a texture is built: values beside "
+                          "the originals, never new pixels");
   addKind(group, "dark", "Pictures with the shutter closed, exposed as the frames are");
   addKind(group, "bias", "Pictures with the shutter closed, exposed as short as can be");
   addKind(group, "flat", "Pictures of an even white surface");
+  addCalibrateColour(group);
 }
 
 }  // namespace patina::app

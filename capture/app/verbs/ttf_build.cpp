@@ -54,6 +54,8 @@ void build(Context& context, Options& options) {
   if (frames.steps_partial_left_out > 0)
     context.warn(std::to_string(frames.steps_partial_left_out) +
                  " steps that are not whole were left out; --partial takes them too");
+  std::vector<std::string> calibrations = frames.masters;
+  calibrations.insert(calibrations.end(), outcome.colour.used.begin(), outcome.colour.used.end());
   context.out.asList();
   context.out.add(std::move(Item()
                                 .set("id", outcome.product.id.c_str())
@@ -67,7 +69,7 @@ void build(Context& context, Options& options) {
                                 .set("exposure", frames.exposure)
                                 .set("gain_min", Value{frames.gain_min})
                                 .set("gain_max", Value{frames.gain_max})
-                                .set("calibrations", Value{frames.masters})
+                                .set("calibrations", Value{calibrations})
                                 .set("clipped_samples", outcome.build.clipped_samples)
                                 .set("steps_partial_left_out", frames.steps_partial_left_out)
                                 .set("sha256", outcome.product.sha256.c_str())));
@@ -88,6 +90,8 @@ void addTtfBuild(Verb ttf) {
               "Region of the pictures (default: the twin's specimen; else all)")
       .flag("--whole", o->whole, "The whole picture, also of a twin")
       .option("--scale", o->request.build.scale, 1e-6, 1e6, "Linear value stored as 65535")
+      .option("--colour", o->request.colour, workflow::parseColourSpace, "SPACE",
+              "In colours by the archive's chart: srgb (linear, Rec. 709) or xyz (D50)")
       .flag("--compress", o->request.build.compress, "Smaller and slower")
       .option("--process", o->request.process, "NAME", "For the TTF database: ripening ...")
       .option("--licence", o->request.licence, "NAME", "For the TTF database: CC-BY-4.0 ...");

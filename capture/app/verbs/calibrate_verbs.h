@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The kinds of `patina calibrate` that have a file of their own.
+#pragma once
+
+#include "capture/app/command_line.h"
+
+namespace patina::app {
+
+void addCalibrateColour(Verb& group);
+
+}  // namespace patina::app
