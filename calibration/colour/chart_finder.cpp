@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/colour/chart_finder.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/mcc.hpp>
+#include <type_traits>
 #include <vector>
 
 #include "calibration/failure.h"
@@ -41,6 +44,31 @@ Image<std::uint8_t> forTheEye(ImageView<const float> linear) {
 // mcc's model of the chart: fields 2.5 wide every 2.75, a quarter from the edge of the box.
 constexpr float kBoxWidth = 16.75F, kBoxHeight = 11.25F, kPitch = 2.75F, kFirst = 1.5F;
 
+// Linked, libopencv_mcc would bring OpenCV's networks and what they need into every start of the
+// program; so it is opened at the first search, by its two functions. All else are virtual calls.
+struct Mcc {
+  cv::Ptr<cv::mcc::CCheckerDetector> (*detector)() = nullptr;
+  cv::Ptr<cv::mcc::DetectorParameters> (*parameters)() = nullptr;
+};
+Mcc openMcc() {
+  void* library = dlopen(PATINA_MCC_LIBRARY, RTLD_NOW | RTLD_LOCAL);  // stays open
+  Mcc out;
+  if (library != nullptr) {
+    const auto find = [&](auto& function, const char* name) {
+      function =
+          reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+    };
+    find(out.detector, "_ZN2cv3mcc16CCheckerDetector6createEv");
+    find(out.parameters, "_ZN2cv3mcc18DetectorParameters6createEv");
+  }
+  if (out.detector == nullptr || out.parameters == nullptr)
+    throw CalibrationError(Exit::kUnavailable,
+                           "charts are found by " PATINA_MCC_LIBRARY
+                           ", which is not there: install libopencv-contrib406, or give the "
+                           "chart's corners");
+  return out;
+}
+
 ChartCorners cornersOf(const std::vector<cv::Point2f>& box, double scale_x, double scale_y) {
   const std::array<cv::Point2f, 4> model{cv::Point2f(0, 0), cv::Point2f(kBoxWidth, 0),
                                          cv::Point2f(kBoxWidth, kBoxHeight),
@@ -70,6 +98,7 @@ std::optional<ChartCorners> findChart(ImageView<const float> linear, const FindO
   options.check();
   if (linear.channels != 3)
     throw CalibrationError(Exit::kBadData, "a chart is found in pictures in colour only");
+  static const Mcc mcc = openMcc();
   progress.begin("looking for the chart", 1);
   Image<float> smaller;
   ImageView<const float> seen = linear;
@@ -80,8 +109,8 @@ std::optional<ChartCorners> findChart(ImageView<const float> linear, const FindO
   const Image<std::uint8_t> bgr = forTheEye(seen);
   std::vector<cv::Point2f> box;
   try {
-    const auto detector = cv::mcc::CCheckerDetector::create();
-    if (detector->process(asMat(bgr.view()), cv::mcc::MCC24, 1))
+    const auto detector = mcc.detector();
+    if (detector->process(asMat(bgr.view()), cv::mcc::MCC24, 1, false, mcc.parameters()))
       if (const auto chart = detector->getBestColorChecker()) box = chart->getBox();
   } catch (const cv::Exception&) {
     box.clear();  // of pictures in which its clustering finds nothing to hold on to

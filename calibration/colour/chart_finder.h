@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where in a picture a chart of 24 fields is, by OpenCV's mcc.
+// Where in a picture a chart of 24 fields is, by OpenCV's mcc (opened when it is needed).
 #pragma once
 
 #include <optional>
