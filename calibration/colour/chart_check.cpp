@@ -105,16 +105,17 @@ void findWorst(CheckedChart& chart) {
 
 std::vector<std::string> refusalsOf(const ChartVerdict& v, const CheckOptions& o) {
   std::vector<std::string> out;
-  if (v.misfit > kMisfitMax)
+  const bool chart = v.misfit <= kMisfitMax;
+  if (!chart)
     out.push_back("the colours are not those of a chart of 24 fields (misfit " + percent(v.misfit) +
                   "): the corners lie wrongly, or it is another chart");
   else if (v.sense == ChartSense::kMirrored)
     out.emplace_back(
         "the chart is mirrored: the picture was flipped, or the corners go round the wrong way");
-  if (!out.empty()) return out;  // what follows would speak of nonsense
   if (v.saturated > o.saturated_max)
     out.push_back("the field " + fieldName(v.saturated_field) + " is saturated in " +
                   percent(v.saturated) + " of its pixels: expose less, or turn the glare away");
+  if (!chart || v.sense == ChartSense::kMirrored) return out;  // the rest would be nonsense
   if (v.unevenness > o.unevenness_max)
     out.push_back("the field " + fieldName(v.uneven_field) + " is uneven by " +
                   percent(v.unevenness) +
@@ -169,8 +170,10 @@ CheckedChart checkChart(const ChartSamples& samples, const ChartColours& expecte
   out.samples = orientation.sense == ChartSense::kTurned ? turnedRound(samples) : samples;
   for (int i = 0; i < kChartFields; ++i) out.seen[i] = out.samples.fields[i].mean;
   findWorst(out);
-  if (out.verdict.misfit <= kMisfitMax && out.verdict.sense != ChartSense::kMirrored) {
+  if (out.verdict.sense != ChartSense::kMirrored) {
     takeLightOut(expected, out);
+    // Shade alone spoils the colours, too: what counts is what is left without it.
+    out.verdict.misfit = std::min(out.verdict.misfit, plainMatrix(out.seen, expected).misfit);
     out.verdict.veil = veilOf(out.seen, expected);
   }
   out.verdict.refusals = refusalsOf(out.verdict, options);

@@ -31,7 +31,7 @@ struct CheckOptions {
 
 struct ChartVerdict {
   ChartSense sense = ChartSense::kUpright;
-  double misfit = 0;
+  double misfit = 0;                // of the 3x3 fit, the plane of light taken out
   double gradient = 0;              // brightest over darkest - 1, of the plane
   double light_x = 0, light_y = 0;  // log light a column and a row
   double tilt_deg = 0;

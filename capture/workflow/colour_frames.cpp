@@ -49,7 +49,7 @@ std::string nameOf(calibration::ColourSpace space) {
 ColourFrames::ColourFrames(ttf::FrameSource& frames, const db::ArchiveReader& reader,
                            const std::string& run_id, const FramesReport& chosen,
                            calibration::ColourSpace space, bool stale)
-    : frames_(frames), space_(space) {
+    : frames_(frames), space_(space), t0_(reader.findRun(run_id).t0_utc) {
   std::vector<db::CalibrationRow> rows = reader.calibrations("colour");
   std::erase_if(rows, [&](const db::CalibrationRow& row) {
     return row.device_id != chosen.camera || row.light_state != chosen.light;
@@ -93,7 +93,7 @@ void ColourFrames::bind(const db::ArchiveReader::CapturedFrame& frame,
              std::string(name) +
                  " is a 4x3 fit, whose offset holds at the chart's exposure only; make it with "
                  "--fit root2, or");
-  bound_[frame.frame.sha256.hex()] = {
+  bound_[{frame.frame.sha256.hex(), toSeconds(frame.frame.utc - t0_)}] = {
       at->second,
       level,
       {frame.frame.id, row.id, toSeconds(row.utc - frame.frame.utc), 0, days <= kDaysMax}};
@@ -102,7 +102,7 @@ void ColourFrames::bind(const db::ArchiveReader::CapturedFrame& frame,
 std::optional<ttf::SourceFrame> ColourFrames::next() {
   std::optional<ttf::SourceFrame> frame = frames_.next();
   if (!frame) return frame;
-  const auto bound = bound_.find(frame->source.hex());
+  const auto bound = bound_.find({frame->source.hex(), frame->time_s});
   PATINA_CHECK(bound != bound_.end());
   if (frame->linear.channels() != 3)
     throw WorkflowError(Exit::kBadData,

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capture/workflow/colour_calibration.h"
@@ -50,10 +51,12 @@ class ColourFrames final : public ttf::FrameSource {
 
   ttf::FrameSource& frames_;
   const calibration::ColourSpace space_;
+  const UtcTime t0_;
   ColourFramesReport report_;
   std::vector<ColourCalibration> models_;
   std::map<db::RowId, std::size_t> model_of_row_;
-  std::map<std::string, Bound> bound_;  // by the frame's hash
+  // By the frame's hash and time: frames of equal bytes may be served by different charts.
+  std::map<std::pair<std::string, double>, Bound> bound_;
 };
 
 }  // namespace patina::workflow

@@ -85,9 +85,11 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
                      : whole;
   Making making{request.command, optionsOf(request, frames.report(), whole), request.seed,
                 request.version, frames.report().input_sha256s};
-  if (coloured)
-    for (const std::string& sha256 : coloured->report().input_sha256s)
-      making.input_sha256s.push_back(sha256);
+  if (coloured) {
+    const std::vector<std::string>& charts = coloured->report().input_sha256s;
+    making.options.set("colour_calibrations", charts);
+    making.input_sha256s.insert(making.input_sha256s.end(), charts.begin(), charts.end());
+  }
   const ProductFile file =
       placeProduct(archive, freeProductId(reader, "ttf", run.id), "ttf.h5", request.out);
   ttf::TtfInfo about;

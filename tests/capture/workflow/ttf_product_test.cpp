@@ -56,6 +56,23 @@ TEST_F(TtfProduct, HasTheSameBytesForAnyNumberOfThreadsAndAnyPlace) {
   EXPECT_NE(many.product.id, single.product.id);
 }
 
+TEST_F(TtfProduct, InColoursNamesTheSpaceAndTheCalibrationItCameBy) {
+  ColourOutcome chart;
+  chart.calibration.camera = "cam0";
+  chart.calibration.light = "key";
+  chart.calibration.taken_utc = testing::now();
+  chart.calibration.model.xyz_from_terms = {1, 0, 0, 0, 0.5, 0, 0, 0, 1};
+  const KeptCalibration kept = keepColour(folder_ / "archive", {}, chart, testing::now());
+  TtfRequest request;
+  request.colour = calibration::ColourSpace::kXyz;
+  const TtfOutcome plain = make("plain.h5"), coloured = make("colour.h5", request);
+  EXPECT_EQ(coloured.colour.bindings.size(), 12u);
+  const ttf::TtfReader before(plain.path), after(coloured.path);
+  EXPECT_NEAR(after.linearFrame(3).at(2, 2, 1), before.linearFrame(3).at(2, 2, 1) / 2, 2e-5);
+  EXPECT_THAT(after.info().provenance_json, ::testing::HasSubstr("xyz-d50"));
+  EXPECT_THAT(after.info().provenance_json, ::testing::HasSubstr(kept.row.sha256));
+}
+
 TEST_F(TtfProduct, DescribesItselfForTheDatabase) {
   TtfRequest request;
   request.selection.every = 4;
