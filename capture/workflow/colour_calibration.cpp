@@ -36,8 +36,7 @@ Image<float> openRun(const fs::path& archive, const ColourRequest& request,
                      ColourOutcome& outcome) {
   const db::ArchiveReader reader(archive);
   const std::string run = reader.findRun(request.run).id;
-  FrameSelection selection = request.selection;
-  ArchiveFrames frames(reader, run, selection, request.correction);
+  ArchiveFrames frames(reader, run, request.selection, request.correction);
   if (frames.report().sizes > 1)
     throw WorkflowError(Exit::kBadData, "the frames of " + run + " differ in size");
   Image<float> sum;
