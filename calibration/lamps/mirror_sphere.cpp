@@ -5,13 +5,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "calibration/lamps/median.h"
+#include "calibration/lamps/reduced_grey.h"
+#include "calibration/lamps/vec3.h"
 #include "processing/image/cv_bridge.h"
 #include "processing/image/parallel_rows.h"
 
 namespace patina::calibration {
 namespace {
-
-using Direction = std::array<double, 3>;
 
 constexpr int kSearchSidePx = 1024;      // the sphere is looked for in pictures of this size
 constexpr double kFoot = 0.25;           // of its height: where a highlight begins
@@ -21,20 +22,6 @@ double greyAt(ImageView<const float> picture, int x, int y) {
   double sum = 0;
   for (const float v : picture.texel(x, y)) sum += v;
   return sum / picture.channels;
-}
-
-// Means of blocks of `by` x `by` texels.
-Image<float> shrunkGrey(ImageView<const float> picture, int by) {
-  Image<float> small(picture.width / by, picture.height / by, 1);
-  forEachRow(small.height(), std::int64_t{picture.width} * by * picture.channels, [&](int y) {
-    for (int x = 0; x < small.width(); ++x) {
-      double sum = 0;
-      for (int v = 0; v < by; ++v)
-        for (int u = 0; u < by; ++u) sum += greyAt(picture, x * by + u, y * by + v);
-      small.at(x, y) = static_cast<float>(sum / (by * by));
-    }
-  });
-  return small;
 }
 
 Image<float> medianOver(const std::vector<Image<float>>& shots) {
@@ -81,12 +68,6 @@ Square squareOf(ImageView<const float> picture, const MirrorSphere& sphere, doub
         if (v >= saturated) square.clipped.at(x - square.x0, y - square.y0) = 1;
     }
   return square;
-}
-
-float medianOf(std::vector<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Foot {
@@ -137,8 +118,6 @@ cv::Mat highlightOf(const Square& square, const Foot& foot, const SphereOptions&
   }
   return labels == static_cast<int>(first - light.begin());
 }
-
-double norm(const Direction& d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
 
 }  // namespace
 
@@ -231,8 +210,8 @@ SphereLights lightsFromSphere(const SphereShots& shots, const SphereOptions& opt
     int by = 1;
     for (int i = 0; i < shots.count; ++i) {
       const Image<float> picture = pictureOf(i);
-      by = (std::max(size.width, size.height) + kSearchSidePx - 1) / kSearchSidePx;
-      greys.push_back(shrunkGrey(picture.view(), by));
+      by = reductionTo(kSearchSidePx, size);
+      greys.push_back(reducedGrey(picture.view(), by));
       progress.step();
     }
     SphereCamera camera = options.camera;

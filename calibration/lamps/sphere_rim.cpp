@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/lamps/sphere_rim.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "calibration/lamps/median.h"
+#include "calibration/lamps/normal_equations.h"
+#include "calibration/lamps/vec3.h"
 #include "processing/image/cv_bridge.h"
 
 namespace patina::calibration {
 namespace {
 
 using Place = std::array<double, 2>;
-using Direction = std::array<double, 3>;
+using Direction = Vec3;
 
 constexpr int kDirections = 360;       // in which the rim is looked for
 constexpr double kSearch = 0.18;       // of the radius, either side
@@ -22,10 +24,6 @@ constexpr double kLeastInliers = 0.6;  // of the directions: less is no sphere
 constexpr double kRoundness = 0.01;    // rms of the rim over its radius: more is no sphere ...
 constexpr double kRoundnessPx = 0.5;   // ... nor more than this of a small one
 constexpr double kCutOffPx = 1;        // as much of the rim as may be missing
-
-double dot(const Direction& a, const Direction& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 double sampled(ImageView<const float> picture, double x_px, double y_px) {
   const double x = std::clamp(x_px - 0.5, 0.0, picture.width - 1.001),
@@ -72,12 +70,6 @@ std::vector<Place> rimAround(ImageView<const float> picture, const Disc& disc) {
   return rim;
 }
 
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Circles that may be the sphere, best first.
 std::vector<Disc> candidates(ImageView<const float> steady) {
   std::vector<float> sorted;
@@ -111,17 +103,14 @@ Disc circleThrough(const std::vector<Place>& rim) {
     mean_x += x / static_cast<double>(rim.size());
     mean_y += y / static_cast<double>(rim.size());
   }
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  NormalEquations equations(3);
   for (const auto& [px, py] : rim) {
     const double x = px - mean_x, y = py - mean_y;
-    const Eigen::Vector3d row(2 * x, 2 * y, 1);
-    normal += row * row.transpose();
-    right += row * (x * x + y * y);
+    equations.add(Vec3{2 * x, 2 * y, 1}, x * x + y * y);
   }
-  const Eigen::Vector3d solved = normal.ldlt().solve(right);
-  return {mean_x + solved[0], mean_y + solved[1],
-          std::sqrt(std::max(solved[2] + solved[0] * solved[0] + solved[1] * solved[1], 0.0))};
+  const std::vector<double> abc = equations.solved();
+  return {mean_x + abc[0], mean_y + abc[1],
+          std::sqrt(std::max(abc[2] + abc[0] * abc[0] + abc[1] * abc[1], 0.0))};
 }
 
 [[noreturn]] void refuseCutOff() {
@@ -180,20 +169,14 @@ void MirrorSphere::fit(const std::vector<Place>& rim) {
     radius_ = circle.radius_px;
     return;
   }
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const auto& [x, y] : rim) {
-    const Direction d = rayTo(x, y);
-    const Eigen::Vector3d row(d[0], d[1], d[2]);
-    normal += row * row.transpose();
-    right += row;
-  }
-  const Eigen::Vector3d solved = normal.ldlt().solve(right);
-  const double length = solved.norm();
-  cosine_ = std::min(1 / length, 1.0);
+  NormalEquations equations(3);
+  for (const auto& [x, y] : rim) equations.add(rayTo(x, y), 1);
+  const std::vector<double> cone = equations.solved();
+  const Vec3 along{cone[0], cone[1], cone[2]};
+  cosine_ = std::min(1 / norm(along), 1.0);
   sine_ = std::sqrt(std::max(1 - cosine_ * cosine_, 0.0));
-  for (int i = 0; i < 3; ++i) axis_[i] = solved[i] / length;
-  for (int i = 0; i < 3; ++i) middle_[i] = axis_[i] / std::max(sine_, 1e-9);
+  axis_ = unit(along);
+  middle_ = times(axis_, 1 / std::max(sine_, 1e-9));
 }
 
 double MirrorSphere::residualPx(const Place& at) const {

@@ -13,8 +13,8 @@ namespace {
 
 using Vec = std::array<double, 3>;
 using std::chrono::microseconds;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 double degreesBetween(const Vec& a, const Vec& b) {
   const double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2],

@@ -11,8 +11,8 @@
 namespace patina::calibration {
 namespace {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 // A ball, its edge shared between texels, on a patterned ground.
 Image<float> ballAt(const Disc& disc, SizePx size, double ground = 0.4) {
