@@ -55,4 +55,24 @@ std::vector<LightDirection> readLights(const std::filesystem::path& file) {
                      file.string());
 }
 
+std::string textOfLights(const std::vector<LightDirection>& lights) {
+  std::string text = std::to_string(lights.size()) + "\n";
+  for (const LightDirection& light : lights) {
+    if (light.file.empty() || light.file.find_first_of(" \t\r\n") != std::string::npos)
+      throw WorkflowError(Exit::kUsage, "'" + light.file +
+                                            "' cannot be named in a light file: rename the picture "
+                                            "without blanks");
+    char numbers[80];
+    std::snprintf(numbers, sizeof numbers, " %.6f %.6f %.6f\n", light.direction[0],
+                  light.direction[1], light.direction[2]);
+    text += light.file;
+    text += numbers;
+  }
+  return text;
+}
+
+void writeLights(const std::filesystem::path& file, const std::vector<LightDirection>& lights) {
+  writeFileAtomically(file, textOfLights(lights));
+}
+
 }  // namespace patina::workflow

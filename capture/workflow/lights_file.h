@@ -17,5 +17,10 @@ struct LightDirection {
 // Throws WorkflowError(kBadData) with file, line and what is wrong.
 std::vector<LightDirection> readLights(const std::filesystem::path& file);
 std::vector<LightDirection> parseLights(const std::string& text, const std::string& source);
+// Six decimals: a ten-thousandth of a degree. Throws WorkflowError(kUsage) for a name with a blank,
+// which other programs could not read.
+std::string textOfLights(const std::vector<LightDirection>& lights);
+// The file appears whole or not at all.
+void writeLights(const std::filesystem::path& file, const std::vector<LightDirection>& lights);
 
 }  // namespace patina::workflow

@@ -80,6 +80,7 @@ void addCalibrateVerbs(Verb root) {
   addKind(group, "bias", "Pictures with the shutter closed, exposed as short as can be");
   addKind(group, "flat", "Pictures of an even white surface");
   addCalibrateColour(group);
+  addCalibrateLights(group);
 }
 
 }  // namespace patina::app

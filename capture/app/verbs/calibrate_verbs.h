@@ -7,5 +7,6 @@
 namespace patina::app {
 
 void addCalibrateColour(Verb& group);
+void addCalibrateLights(Verb& group);
 
 }  // namespace patina::app

@@ -36,6 +36,20 @@ TEST(LightsFile, NamesTheLineOfWhatIsWrong) {
   EXPECT_THAT(errorOf(""), ::testing::HasSubstr("dirs.lp:1: "));
 }
 
+TEST(LightsFile, IsWrittenSoThatItReadsTheSame) {
+  const std::vector<LightDirection> lights{{"a.jpg", {0.6, -0.48, 0.64}}, {"key", {0, 0, 1}}};
+  const std::string text = textOfLights(lights);
+  EXPECT_EQ(text, "2\na.jpg 0.600000 -0.480000 0.640000\nkey 0.000000 0.000000 1.000000\n");
+  const std::vector<LightDirection> back = parseLights(text, "dirs.lp");
+  ASSERT_EQ(back.size(), 2u);
+  EXPECT_EQ(back[0].file, "a.jpg");
+  EXPECT_DOUBLE_EQ(back[0].direction[1], -0.48);
+}
+
+TEST(LightsFile, DoesNotNameAPictureThatNobodyCouldReadBack) {
+  EXPECT_THROW(textOfLights({{"two words.jpg", {0, 0, 1}}}), WorkflowError);
+}
+
 TEST(LightsFile, ReadsAMeasuredOne) {
   PATINA_TEST_DATA_OR_SKIP(file, "icon_rti/dirs.lp");
   const auto lights = readLights(file);
