@@ -94,6 +94,11 @@ ArchiveFrames::ArchiveFrames(const db::ArchiveReader& reader, const std::string&
 
 ArchiveFrames::~ArchiveFrames() = default;
 
+std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
+                                 const std::string& camera) {
+  return gainOf(checks, camera);
+}
+
 std::int64_t ArchiveFrames::count() const { return static_cast<std::int64_t>(chosen_.size()); }
 
 void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection& selection) {

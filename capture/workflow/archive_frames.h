@@ -80,4 +80,8 @@ class ArchiveFrames final : public ttf::FrameSource {
   std::vector<ttf::SourceFrame> batch_;
 };
 
+// What undoes the drift of a shot's light, per channel, by its verdicts; 1 where there are none.
+std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
+                                 const std::string& camera);
+
 }  // namespace patina::workflow

@@ -15,6 +15,8 @@ Facts optionsOf(const TtfRequest& request, const FramesReport& frames, SizePx si
   options.count("every", request.selection.every);
   options.set("partial", request.selection.partial);
   options.set("light_gain", request.correction.light_gain);
+  if (request.lamps.any())
+    options.set("ambient", request.lamps.ambient).set("lamps_apart", request.lamps.apart);
   options.set("masters", frames.masters);
   if (request.colour) options.text("colour", nameOf(*request.colour));
   options.number("scale", request.build.scale);
@@ -67,7 +69,14 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
                    Progress& progress) {
   const db::ArchiveReader reader(archive);
   const db::RunRow run = reader.findRun(request.run);
-  ArchiveFrames frames(reader, run.id, request.selection, request.correction);
+  Correction of_frames = request.correction;
+  if (request.lamps.any()) of_frames.light_gain = false;  // follows when ambient light is gone
+  ArchiveFrames frames(reader, run.id, request.selection, of_frames);
+  ttf::FrameSource* source = &frames;
+  std::optional<LampFrames> lamps;
+  if (request.lamps.any())
+    source = &lamps.emplace(reader, run.id, frames, request.selection, request.correction,
+                            request.lamps);
   const SizePx whole = frames.report().size;
   if (const auto& r = request.build.region;
       r && (r->x + r->width > whole.width || r->y + r->height > whole.height))
@@ -76,15 +85,18 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
                                           std::to_string(whole.height) + " pixels");
   std::optional<ColourFrames> coloured;
   if (request.colour)
-    coloured.emplace(frames, reader, run.id, frames.report(), *request.colour,
-                     request.correction.stale);
-  ttf::FrameSource& source = coloured ? static_cast<ttf::FrameSource&>(*coloured) : frames;
+    source = &coloured.emplace(*source, reader, run.id, frames.report(), *request.colour,
+                               request.correction.stale);
   TtfOutcome outcome;
   outcome.size = request.build.region
                      ? SizePx{request.build.region->width, request.build.region->height}
                      : whole;
   Making making{request.command, optionsOf(request, frames.report(), whole), request.seed,
                 request.version, frames.report().input_sha256s};
+  if (lamps) {
+    const std::vector<std::string>& others = lamps->report().input_sha256s;
+    making.input_sha256s.insert(making.input_sha256s.end(), others.begin(), others.end());
+  }
   if (coloured) {
     const std::vector<std::string>& charts = coloured->report().input_sha256s;
     making.options.set("colour_calibrations", charts);
@@ -97,12 +109,17 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
   about.mm_per_texel = request.build.mm_per_texel;
   about.t0_utc = run.t0_utc;
   about.provenance_json = making.facts().json();
-  outcome.build = ttf::buildTtf(source, request.build, about, file.path, progress);
+  outcome.build = ttf::buildTtf(*source, request.build, about, file.path, progress);
   if (coloured) outcome.colour = coloured->report();
   std::vector<db::FrameCalibrationRow> bindings = frames.bindings();
   bindings.insert(bindings.end(), outcome.colour.bindings.begin(), outcome.colour.bindings.end());
   if (!bindings.empty()) db::ProductWriter::bind(archive, bindings);
   outcome.frames = frames.report();
+  if (lamps) {
+    outcome.lamps = lamps->report();
+    outcome.frames.gain_min = outcome.lamps.gain_min;
+    outcome.frames.gain_max = outcome.lamps.gain_max;
+  }
   outcome.path = file.path;
   const ttf::TtfReader built(file.path);
   const std::vector<double>& times = built.info().time_s;

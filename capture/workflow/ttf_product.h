@@ -8,6 +8,7 @@
 
 #include "capture/workflow/archive_frames.h"
 #include "capture/workflow/colour_frames.h"
+#include "capture/workflow/lamp_frames.h"
 #include "capture/workflow/products.h"
 #include "processing/ttf/ttf_build.h"
 
@@ -17,6 +18,7 @@ struct TtfRequest {
   std::string run;  // id, unique prefix or "latest"
   FrameSelection selection;
   Correction correction;
+  LampCorrection lamps;
   std::optional<calibration::ColourSpace> colour;  // nothing: as the camera sees
   ttf::BuildOptions build;                         // `every` is the selection's
   std::filesystem::path out;                       // empty: inside the archive
@@ -30,6 +32,7 @@ struct TtfOutcome {
   std::filesystem::path path;
   FramesReport frames;
   ColourFramesReport colour;
+  LampFramesReport lamps;  // where lamps were corrected
   ttf::BuildReport build;
   SizePx size;  // of the texture
 };

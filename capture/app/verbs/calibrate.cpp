@@ -81,6 +81,8 @@ void addCalibrateVerbs(Verb root) {
   addKind(group, "flat", "Pictures of an even white surface");
   addCalibrateColour(group);
   addCalibrateLights(group);
+  addCalibrateGainField(group);
+  addCalibrateAlbedo(group);
 }
 
 }  // namespace patina::app

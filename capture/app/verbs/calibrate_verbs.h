@@ -7,6 +7,8 @@
 namespace patina::app {
 
 void addCalibrateColour(Verb& group);
+void addCalibrateAlbedo(Verb& group);
+void addCalibrateGainField(Verb& group);
 void addCalibrateLights(Verb& group);
 
 }  // namespace patina::app

@@ -39,6 +39,8 @@ void build(Context& context, Options& options) {
   request.selection = options.selection;
   request.correction = correctionOf(options);
   request.out = options.out;
+  if (options.uncorrected && request.lamps.any())
+    throw AppError(Exit::kUsage, "--uncorrected leaves no --ambient and no --lamps-apart");
   request.command = "patina ttf build";
   request.version = PATINA_VERSION;
   request.seed = context.seed();
@@ -94,6 +96,10 @@ void addTtfBuild(Verb ttf) {
               "In colours by the archive's chart: srgb (linear, Rec. 709) or xyz (D50)")
       .flag("--compress", o->request.build.compress, "Smaller and slower")
       .option("--process", o->request.process, "NAME", "For the TTF database: ripening ...")
+      .flag("--ambient", o->request.lamps.ambient,
+            "Subtract the lights-off frame of every step, scaled by exposure")
+      .flag("--lamps-apart", o->request.lamps.apart,
+            "Of several lamps at once: undo the drift of each by its own shot of the step")
       .option("--licence", o->request.licence, "NAME", "For the TTF database: CC-BY-4.0 ...");
   addFrameOptions(verb, *o);
 }

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/albedo_calibration.h"
+
+#include <cmath>
+
+#include "capture/workflow/failure.h"
+#include "capture/workflow/gain_field_calibration.h"
+#include "processing/image/picture_file.h"
+
+namespace patina::workflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kChannels[3] = {"_r", "_g", "_b"};
+
+fs::path fieldFor(const fs::path& archive, const AlbedoRequest& request,
+                  const db::CalibrationRow& frame) {
+  if (!request.field.empty() || archive.empty()) return request.field;
+  const db::ArchiveReader reader(archive);
+  const auto row = findGainField(reader, frame.device_id, frame.light_state, frame.size);
+  return row ? fileOfCalibration(reader, *row) : fs::path();
+}
+
+Facts factsOf(const AlbedoOutcome& outcome) {
+  Facts facts;
+  facts.text("schema", "patina.albedo/1");
+  facts.text("camera", outcome.from.row.device_id).text("light", outcome.from.row.light_state);
+  facts.count("exposure_ns", outcome.from.row.exposure.count());
+  facts.count("frames", outcome.from.frames).count("channels", outcome.scale.channels);
+  facts.text("field_sha256", outcome.field_sha256);
+  for (int c = 0; c < outcome.scale.channels; ++c) {
+    facts.number(std::string("scale") + kChannels[c], outcome.scale.scale[c]);
+    facts.number(std::string("sigma") + kChannels[c], outcome.scale.sigma[c]);
+    facts.number(std::string("deviance") + kChannels[c], outcome.scale.deviance[c]);
+  }
+  return facts;
+}
+
+}  // namespace
+
+AlbedoOutcome makeAlbedo(const fs::path& archive, const AlbedoRequest& request, UtcTime now,
+                         Progress& progress) {
+  AlbedoOutcome outcome;
+  outcome.from = meanPicture(archive, request.pictures, now, progress);
+  const fs::path file = fieldFor(archive, request, outcome.from.row);
+  std::optional<Image<float>> field;
+  if (file.empty()) {
+    outcome.notes.emplace_back(
+        "there is no gain field of this camera and lamp: its light is taken for even");
+  } else {
+    field = readPicture(file).linear;
+    outcome.field_sha256 = sha256OfFile(file).hex();
+  }
+  const auto view = field ? std::optional<ImageView<const float>>(field->view()) : std::nullopt;
+  outcome.scale =
+      calibration::solveAlbedo(outcome.from.linear.view(), view, request.targets, request.limits);
+  outcome.from.linear = {};
+  return outcome;
+}
+
+KeptCalibration keepAlbedo(const fs::path& archive, const AlbedoRequest& request,
+                           const AlbedoOutcome& outcome, UtcTime now) {
+  if (outcome.from.row.device_id.empty() || outcome.from.row.light_state.empty())
+    throw WorkflowError(Exit::kUsage,
+                        "of which camera and lamp are these? Give --camera ID and --light LAMP");
+  NewCalibration calibration;
+  calibration.row = outcome.from.row;
+  calibration.row.kind = "albedo";
+  calibration.values = factsOf(outcome);
+  calibration.file_name = "albedo.json";
+  calibration.write = [&](const fs::path& file) { writeAlbedo(file, outcome); };
+  calibration.run_id = outcome.from.run_id;
+  Facts options;
+  options.text("camera", outcome.from.row.device_id).text("light", outcome.from.row.light_state);
+  calibration.making = {request.command, options, 0, request.version, outcome.from.input_sha256s};
+  if (!outcome.field_sha256.empty())
+    calibration.making.input_sha256s.push_back(outcome.field_sha256);
+  return keepCalibration(archive, std::move(calibration), now);
+}
+
+void writeAlbedo(const fs::path& file, const AlbedoOutcome& outcome) {
+  writeFileAtomically(file, factsOf(outcome).json() + "\n");
+}
+
+calibration::AlbedoScale readAlbedo(const fs::path& file) {
+  const Bytes bytes = readFile(file, 1 << 20);
+  const Facts facts =
+      Facts::parse(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  calibration::AlbedoScale scale;
+  scale.channels = static_cast<int>(facts.number("channels").value_or(0));
+  const bool known = facts.text("schema") == "patina.albedo/1";
+  if (!known || scale.channels < 1 || scale.channels > 3)
+    throw WorkflowError(Exit::kBadData, file.string() + " is no albedo scale of this Patina");
+  for (int c = 0; c < scale.channels; ++c) {
+    scale.scale[c] = facts.number(std::string("scale") + kChannels[c]).value_or(0);
+    scale.sigma[c] = facts.number(std::string("sigma") + kChannels[c]).value_or(0);
+    scale.deviance[c] = facts.number(std::string("deviance") + kChannels[c]).value_or(0);
+    if (!(scale.scale[c] > 0) || !std::isfinite(scale.scale[c]))
+      throw WorkflowError(Exit::kBadData, file.string() + " has no scale that is above 0");
+  }
+  return scale;
+}
+
+}  // namespace patina::workflow

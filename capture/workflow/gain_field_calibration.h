@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A lamp's field of gain, from pictures of a white or grey target under it alone: made, kept,
+// found.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/lamps/gain_field.h"
+#include "capture/workflow/calibration_record.h"
+#include "capture/workflow/mean_picture.h"
+
+namespace patina::workflow {
+
+struct GainFieldRequest {
+  MeanPictureRequest pictures;
+  std::vector<RectPx> target;  // where it shows; none: all over
+  calibration::FieldOptions field;
+  std::string command, version;
+};
+struct GainFieldOutcome {
+  calibration::FieldReport report;
+  Image<float> painted;  // [h][w][c], as the lamp lit the target
+  MeanPicture from;      // without its picture
+};
+GainFieldOutcome makeGainField(const std::filesystem::path& archive,
+                               const GainFieldRequest& request, UtcTime now, Progress& progress);
+// Kind gain_field, light state: the lamp; float EXR. Throws WorkflowError(kUsage) when camera or
+// lamp is unknown, or the state is not one lamp.
+KeptCalibration keepGainField(const std::filesystem::path& archive, const GainFieldRequest& request,
+                              const GainFieldOutcome& outcome, UtcTime now);
+
+// The field of `lamp` as this camera sees it, the newest of this size.
+std::optional<db::CalibrationRow> findGainField(const db::ArchiveReader& reader,
+                                                const std::string& camera, const std::string& lamp,
+                                                SizePx size);
+
+}  // namespace patina::workflow
