@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/registration/registration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibration/failure.h"
+#include "calibration/registration/feature_start.h"
+#include "calibration/registration/refinement.h"
+
+namespace patina::calibration {
+namespace {
+
+constexpr double kSolvedAgain = 0.02;  // share of blocks that disagree from which leaving them pays
+constexpr double kLeastZncc = 0.3;
+constexpr double kLeastBlocks = 3.5;  // of a small picture, one or two mean nothing
+constexpr int kMostFinest = 4;
+
+void within(const char* field, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw CalibrationError(Exit::kUsage,
+                         std::string("registration: ") + field + " is " + std::to_string(value) +
+                             "; allowed: " + std::to_string(least) + " to " + std::to_string(most));
+}
+
+bool isShift(const Motion& m) {
+  return m[0] == 1 && m[1] == 0 && m[3] == 0 && m[4] == 1 && m[6] == 0 && m[7] == 0;
+}
+
+int coarsestOf(const PreparedPicture& reference, const PreparedPicture& frame) {
+  return static_cast<int>(std::min(reference.levels.size(), frame.levels.size())) - 1;
+}
+
+// Blocks that disagree pull at a least-squares fit: without them once more, at the level where
+// they were found, then at the finer ones.
+void leaveOutWhatDisagrees(const PreparedPicture& frame, const PreparedPicture& reference,
+                           const AlignOptions& options, Alignment& out) {
+  if (1 - out.agreement.share < kSolvedAgain || out.agreement.share < options.least_share) return;
+  const LevelMask mask{out.agreement.level, agreeingPixels(out.agreement, reference)};
+  const Refinement again =
+      refineByEcc(reference, frame, out.frame_from_reference, options.model, mask);
+  out.iterations += again.iterations;
+  if (!again.converged) return;
+  const Agreement agreement = agreementOf(reference, frame, again.frame_from_reference);
+  if (agreement.zncc < out.agreement.zncc) return;
+  out.agreement = agreement;
+  out.frame_from_reference = again.frame_from_reference;
+}
+
+Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& reference,
+                    const Motion& start, const AlignOptions& options) {
+  Alignment out;
+  out.frame_from_reference = start;
+  const int coarsest = coarsestOf(reference, frame);
+  const int finest = std::min(options.finest_level, coarsest);
+  Refinement refined;
+  refined.frame_from_reference = start;
+  if (isShift(start)) refined = refineTranslation(reference, frame, start);
+  if (options.model != MotionModel::kTranslation) {
+    // What is coarser than 128 px says little about a turn.
+    int from = coarsest;
+    while (from > finest && reference.levels[static_cast<std::size_t>(from)].size().width < 128)
+      --from;
+    const Refinement by_ecc =
+        refineByEcc(reference, frame, refined.frame_from_reference, options.model, from, finest);
+    refined.frame_from_reference = by_ecc.frame_from_reference;
+    refined.iterations += by_ecc.iterations;
+  }
+  out.iterations = refined.iterations;
+  out.frame_from_reference = refined.frame_from_reference;
+  out.agreement = agreementOf(reference, frame, out.frame_from_reference);
+  if (options.model != MotionModel::kTranslation)
+    leaveOutWhatDisagrees(frame, reference, options, out);
+  out.verdict = verdictOf(out.agreement, options);
+  return out;
+}
+
+bool isBetter(const Alignment& a, const Alignment& b) {
+  return std::pair(a.agreement.share, a.agreement.zncc) >
+         std::pair(b.agreement.share, b.agreement.zncc);
+}
+
+// From a pose, and where that took the mask to another place in the frame, from there once more.
+template <class Prepared>
+Alignment alignMasked(const Prepared& preparedFrom, const PreparedPicture& reference,
+                      const Motion& start, const AlignOptions& options) {
+  constexpr double kMaskMovedPx = 0.7;
+  Alignment out = alignFrom(preparedFrom(start, true), reference, start, options);
+  if (reference.mask.empty() || out.verdict == Verdict::kLost) return out;
+  const Motion found = out.frame_from_reference;
+  if (cornersApart(found, start, reference.size()) < kMaskMovedPx) return out;
+  const int before = out.iterations;
+  out = alignFrom(preparedFrom(found, true), reference, found, options);
+  out.iterations += before;
+  return out;
+}
+
+template <class Prepared>
+Alignment alignSearching(const Prepared& preparedFrom, const PreparedPicture& reference,
+                         const AlignOptions& options, Progress& progress) {
+  options.check();
+  progress.step(0);
+  Alignment best = alignMasked(preparedFrom, reference, options.start, options);
+  if (best.verdict != Verdict::kLost || !options.search) return best;
+  const PreparedPicture& whole = preparedFrom(kNoMotion, false);
+  const auto attempt = [&](const Motion& start, Start kind) {
+    progress.step(0);
+    Alignment other = alignMasked(preparedFrom, reference, start, options);
+    other.start = kind;
+    if (isBetter(other, best)) best = std::move(other);
+  };
+  if (const auto start = startByFeatures(reference, whole, options.model))
+    attempt(*start, Start::kFeatures);
+  if (best.verdict == Verdict::kLost) attempt(startByPhase(reference, whole), Start::kPhase);
+  return best;
+}
+
+}  // namespace
+
+void AlignOptions::check() const {
+  within("finest_level", finest_level, 0, kMostFinest);
+  within("least_share", least_share, 0, 1);
+  within("least_contrast", least_contrast, 0, 1);
+  within("least_sharpness", least_sharpness, 0, 1);
+  within("most_uncertain_px", most_uncertain_px, 0, 100);
+  within("most_covered", most_covered, 0, 1);
+  within("least_spot", least_spot, 0, 1);
+  if (model == MotionModel::kTranslation && !isShift(start))
+    throw CalibrationError(Exit::kUsage, "registration: the start is no translation, the model is");
+}
+
+const char* name(Verdict verdict) {
+  constexpr const char* kNames[] = {"good", "spot", "blurred", "fogged", "covered", "lost"};
+  return kNames[static_cast<int>(verdict)];
+}
+
+bool isTrusted(Verdict verdict) { return verdict == Verdict::kGood || verdict == Verdict::kSpot; }
+
+Verdict verdictOf(const Agreement& a, const AlignOptions& options) {
+  if (a.judged_blocks == 0 || a.share < options.least_share || a.zncc < kLeastZncc ||
+      !(a.uncertainty_px <= options.most_uncertain_px))
+    return Verdict::kLost;
+  if (a.covered > options.most_covered && a.covered * a.judged_blocks > kLeastBlocks)
+    return Verdict::kCovered;
+  if (a.contrast_fine < options.least_sharpness * a.contrast_coarse) return Verdict::kBlurred;
+  if (a.contrast_coarse < options.least_contrast) return Verdict::kFogged;
+  return a.covered >= options.least_spot ? Verdict::kSpot : Verdict::kGood;
+}
+
+Image<std::uint8_t> maskInFrame(const PreparedPicture& reference, const Motion& motion,
+                                SizePx frame) {
+  const Image<std::uint8_t>& usable = reference.mask;
+  if (usable.empty()) return {};
+  const Motion back = inverse(motion);
+  Image<std::uint8_t> out(frame.width, frame.height, 1);
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      const PlacePx p = moved(back, {static_cast<double>(x), static_cast<double>(y)});
+      const int px = static_cast<int>(std::lround(p.x)), py = static_cast<int>(std::lround(p.y));
+      if (px >= 0 && py >= 0 && px < usable.width() && py < usable.height())
+        out.at(x, y) = usable.at(px, py);
+    }
+  return out;
+}
+
+Alignment align(ImageView<const float> frame, const PreparedPicture& reference,
+                const AlignOptions& options, Progress& progress) {
+  const int levels = static_cast<int>(reference.levels.size());
+  return alignSearching(
+      [&](const Motion& start, bool masked) {
+        const Image<std::uint8_t> mask =
+            masked ? maskInFrame(reference, start, frame.size()) : Image<std::uint8_t>();
+        if (mask.empty()) return preparePicture(frame, {}, levels);
+        return preparePicture(frame, std::as_const(mask).view(), levels);
+      },
+      reference, options, progress);
+}
+
+Alignment align(const PreparedPicture& frame, const PreparedPicture& reference,
+                const AlignOptions& options, Progress& progress) {
+  return alignSearching([&](const Motion&, bool) -> const PreparedPicture& { return frame; },
+                        reference, options, progress);
+}
+
+}  // namespace patina::calibration

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/registration/registration.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "calibration/failure.h"
+#include "processing/image/picture_file.h"
+#include "processing/image/random.h"
+#include "processing/image/warp.h"
+#include "tests/calibration/registration/twin_pictures.h"
+#include "tests/support/places.h"
+
+namespace patina::calibration {
+namespace {
+
+constexpr Motion kGraf{7.6285898e-01, -2.9922929e-01, 2.2567123e+02,
+                       3.3443473e-01, 1.0143901e+00,  -7.6999973e+01,
+                       3.4663091e-04, -1.4364524e-05, 1.0};
+
+// Mean distance between where two motions put the pixels of the reference that the frame shows.
+double meanApart(const Motion& a, const Motion& truth, SizePx reference, SizePx frame) {
+  double sum = 0;
+  int count = 0;
+  for (int y = 0; y < reference.height; y += 4)
+    for (int x = 0; x < reference.width; x += 4) {
+      const PlacePx at{static_cast<double>(x), static_cast<double>(y)};
+      const PlacePx p = moved(a, at), q = moved(truth, at);
+      if (q.x < 0 || q.y < 0 || q.x > frame.width - 1 || q.y > frame.height - 1) continue;
+      sum += std::hypot(p.x - q.x, p.y - q.y);
+      ++count;
+    }
+  return sum / count;
+}
+
+AlignOptions optionsOf(MotionModel model) {
+  AlignOptions options;
+  options.model = model;
+  return options;
+}
+
+TEST(Registration, FindsTheHomographyOfTwoViewsOfAWallToAPixel) {
+  PATINA_TEST_DATA_OR_SKIP(folder, "chessboards");
+  const Image<float> one = readPicture(folder / "graf1.png").linear,
+                     three = readPicture(folder / "graf3.png").linear;
+  Progress progress;
+  const Alignment found = align(three.view(), preparePicture(one.view()),
+                                optionsOf(MotionModel::kHomography), progress);
+  EXPECT_EQ(found.start, Start::kFeatures);
+  const double apart = meanApart(found.frame_from_reference, kGraf, one.size(), three.size());
+  RecordProperty("mean_px", std::to_string(apart));
+  std::printf("graf1/3: mean distance from the given homography %.3f px, zncc %.3f, share %.2f\n",
+              apart, found.agreement.zncc, found.agreement.share);
+  EXPECT_LE(apart, 1.0);
+}
+
+// Gain 0.55, a gradient of 2.5 over the width, and a shadow with a sharp edge that keeps 35 %.
+Image<float> underOtherLight(Image<float> picture) {
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x) {
+      const float across = static_cast<float>(x) / picture.width();
+      const bool shaded = x + 0.6 * y > 0.75 * picture.width() && x < 0.9 * picture.width();
+      for (float& value : picture.view().texel(x, y))
+        value *= 0.55f * (0.4f + 0.6f * across) * (shaded ? 0.35f : 1.0f);
+    }
+  return picture;
+}
+
+TEST(Registration, IsNotPulledByGainGradientAndShadow) {
+  PATINA_TEST_DATA_OR_SKIP(folder, "chessboards");
+  const Image<float> graf = readPicture(folder / "graf1.png").linear;
+  const PreparedPicture reference = preparePicture(graf.view());
+  const Motion turn{
+      std::cos(0.01), -std::sin(0.01), 6.3, std::sin(0.01), std::cos(0.01), -2.4, 0, 0, 1};
+  const struct {
+    MotionModel model;
+    Motion truth;
+  } cases[] = {
+      {MotionModel::kTranslation, shift(3.37, -5.71)},
+      {MotionModel::kEuclidean, turn},
+      {MotionModel::kAffine, {1.012, 0.004, -3.3, -0.006, 0.991, 4.1, 0, 0, 1}},
+      {MotionModel::kHomography, {1.012, 0.004, -3.3, -0.006, 0.991, 4.1, 1e-5, -2e-5, 1}}};
+  Progress progress;
+  for (const auto& one : cases) {
+    const Image<float> frame =
+        underOtherLight(warpBilinear(graf.view(), inverse(one.truth), graf.size()));
+    const Alignment found = align(frame.view(), reference, optionsOf(one.model), progress);
+    const double apart = meanApart(found.frame_from_reference, one.truth, graf.size(), graf.size());
+    std::printf("graf1 in other light, %s: %.4f px, verdict %s, start %d\n", name(one.model), apart,
+                name(found.verdict), static_cast<int>(found.start));
+    EXPECT_LE(apart, 0.2) << name(one.model);
+    EXPECT_TRUE(isTrusted(found.verdict)) << name(found.verdict);
+  }
+}
+
+TEST(Registration, FindsRandomShiftsOfAnAgeingSpecimenToATwentiethOfAPixel) {
+  Progress progress;
+  for (const char* specimen : {"steel_rusting", "banana_ripening"}) {
+    const ShiftedSpecimen twin(specimen, {256, 256});
+    for (const double time : {0.3, 0.6, 0.9}) {
+      const PreparedPicture reference = preparePicture(twin.at(time, {}, 1).view());
+      double squares = 0;
+      constexpr int kShifts = 4;
+      for (std::uint64_t k = 0; k < kShifts; ++k) {
+        const PlacePx by{8 * uniform(hashSeed(3, k)) - 4, 8 * uniform(hashSeed(4, k)) - 4};
+        const Alignment found = align(twin.at(time, by, 2 + k).view(), reference, {}, progress);
+        const Motion& m = found.frame_from_reference;
+        squares += (m[2] - by.x) * (m[2] - by.x) + (m[5] - by.y) * (m[5] - by.y);
+      }
+      const double rms = std::sqrt(squares / kShifts);
+      std::printf("%s at %.1f: %.4f px RMS\n", specimen, time, rms);
+      EXPECT_LE(rms, 0.05) << specimen << " at " << time;
+    }
+  }
+}
+
+TEST(Registration, FindsAShiftOfAThirdOfThePictureByItself) {
+  const ShiftedSpecimen twin("steel_rusting", {256, 256});
+  Progress progress;
+  const Alignment found = align(twin.at(0.5, {85.3, -60.7}, 2).view(),
+                                preparePicture(twin.at(0.5, {}, 1).view()), {}, progress);
+  EXPECT_NE(found.start, Start::kGiven);
+  EXPECT_NEAR(found.frame_from_reference[2], 85.3, 0.1);
+  EXPECT_NEAR(found.frame_from_reference[5], -60.7, 0.1);
+}
+
+TEST(Registration, GivesTheSameAnswerForOneThreadAndForMore) {
+  const ShiftedSpecimen twin("steel_rusting", {256, 256});
+  const Image<float> frame = twin.at(0.5, {40.3, 2.6}, 2), still = twin.at(0.5, {}, 1);
+  Progress progress;
+  for (const MotionModel model : {MotionModel::kTranslation, MotionModel::kAffine}) {
+    const Alignment many =
+        align(frame.view(), preparePicture(still.view()), optionsOf(model), progress);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const Alignment single =
+        align(frame.view(), preparePicture(still.view()), optionsOf(model), progress);
+    EXPECT_EQ(many.frame_from_reference, single.frame_from_reference) << name(model);
+    EXPECT_EQ(many.agreement.zncc, single.agreement.zncc) << name(model);
+  }
+}
+
+TEST(Registration, SaysWhenAFrameShowsSomethingElse) {
+  const ShiftedSpecimen rust("steel_rusting", {128, 128}), wood("wood_drying", {128, 128});
+  Progress progress;
+  const Alignment found =
+      align(wood.at(0.5, {}, 2).view(), preparePicture(rust.at(0.5, {}, 1).view()), {}, progress);
+  EXPECT_EQ(found.verdict, Verdict::kLost);
+  EXPECT_EQ(align(Image<float>(128, 128, 3).view(), preparePicture(rust.at(0.5, {}, 1).view()), {},
+                  progress)
+                .verdict,
+            Verdict::kLost)
+      << "darkness";
+}
+
+TEST(Registration, HoldsOnToNothingOutsideOfItsMask) {
+  const ShiftedSpecimen twin("steel_rusting", {256, 256});
+  Image<float> still = twin.at(0.5, {}, 1), frame = twin.at(0.5, {1.4, -0.8}, 2);
+  // Another specimen fills the left 60 %, and moves against the rest.
+  const ShiftedSpecimen other("wood_drying", {256, 256});
+  const Image<float> grain = other.at(0.2, {}, 1), drier = other.at(0.8, {-3, 2}, 2);
+  Image<std::uint8_t> mask(256, 256, 1, 255);
+  for (int y = 0; y < 256; ++y)
+    for (int x = 0; x < 154; ++x) {
+      mask.at(x, y) = 0;
+      for (int c = 0; c < 3; ++c) {
+        still.at(x, y, c) = grain.at(x, y, c);
+        frame.at(x, y, c) = drier.at(x, y, c);
+      }
+    }
+  Progress progress;
+  for (const MotionModel model : {MotionModel::kTranslation, MotionModel::kEuclidean}) {
+    const Alignment found =
+        align(frame.view(), preparePicture(still.view(), mask.view()), optionsOf(model), progress);
+    EXPECT_NEAR(moved(found.frame_from_reference, {200, 128}).x - 200, 1.4, 0.08) << name(model);
+    EXPECT_NEAR(moved(found.frame_from_reference, {200, 128}).y - 128, -0.8, 0.08) << name(model);
+    EXPECT_EQ(found.verdict, Verdict::kGood) << name(found.verdict);
+  }
+}
+
+TEST(Registration, RefusesOptionsThatMakeNoSense) {
+  AlignOptions options;
+  options.least_share = 1.5;
+  EXPECT_THROW(options.check(), CalibrationError);
+  options = {};
+  options.start = {1, 0.1, 0, 0, 1, 0, 0, 0, 1};
+  EXPECT_THROW(options.check(), CalibrationError);
+}
+
+}  // namespace
+}  // namespace patina::calibration

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/calibration/registration/twin_pictures.h"
+
+#include <cmath>
+#include <limits>
+
+#include "devices/twin/specimen_pose.h"
+#include "processing/image/dng_file.h"
+#include "processing/image/random.h"
+
+namespace patina::calibration {
+
+using namespace devices::twin;
+
+namespace {
+
+constexpr Nanoseconds kRun = std::chrono::hours(100);
+
+// A lamp from the upper left, diffuse reflection, full well at 1.2.
+std::vector<float> lightOf(const SurfaceMaps& maps) {
+  std::vector<float> light;
+  const SizePx size = maps.height.size();
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const float lit = -0.5f * maps.normal.at(x, y, 0) + 0.3f * maps.normal.at(x, y, 1) +
+                        0.81f * maps.normal.at(x, y, 2);
+      light.push_back(maps.diffuse.at(x, y, (x & 1) + (y & 1)) * std::max(lit, 0.0f));
+    }
+  return light;
+}
+
+Image<float> developed(const ImageSensor& sensor, std::vector<float> light, std::uint64_t seed) {
+  const SensorProfile& profile = referenceProfile().sensor;
+  const SizePx size = sensor.size();
+  SensorShot shot;
+  shot.electrons_per_light = static_cast<float>(profile.full_well / 1.2);
+  shot.exposure = profile.grey_exposure;
+  shot.noise_key = hashSeed(seed, 77);
+  RawMosaic raw;
+  raw.samples = Image<std::uint16_t>(size.width, size.height, 1);
+  for (int y = 0; y < size.height; ++y)
+    sensor.readRow(y, &light[static_cast<std::size_t>(y) * size.width], shot,
+                   raw.samples.view().row(y));
+  raw.black_level = profile.black_level;
+  raw.white_level = profile.whiteLevel();
+  return demosaic(raw);
+}
+
+double sample(const std::vector<float>& values, SizePx size, double x, double y) {
+  if (!(x >= 0 && y >= 0 && x <= size.width - 1 && y <= size.height - 1))
+    return std::numeric_limits<double>::quiet_NaN();
+  const int x0 = std::min(static_cast<int>(x), size.width - 2),
+            y0 = std::min(static_cast<int>(y), size.height - 2);
+  const double fx = x - x0, fy = y - y0;
+  const auto at = [&](int i, int j) -> double {
+    return values[static_cast<std::size_t>(j) * size.width + i];
+  };
+  return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
+         fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
+}
+
+}  // namespace
+
+ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size)
+    : specimen_(makeSpecimen(name, 1)),
+      size_(size),
+      sensor_(std::make_unique<ImageSensor>(size, referenceProfile().sensor,
+                                            lensFalloff(size, referenceProfile().lens), 5)),
+      flat_(size.width, size.height, 3) {
+  constexpr int kFlats = 16;
+  for (std::uint64_t k = 0; k < kFlats; ++k) {
+    const Image<float> white = developed(
+        *sensor_, std::vector<float>(static_cast<std::size_t>(size.width) * size.height, 0.8f),
+        1000 + k);
+    for (std::size_t i = 0; i < flat_.texels().size(); ++i)
+      flat_.texels()[i] += white.texels()[i] / kFlats;
+  }
+}
+
+Image<float> ShiftedSpecimen::at(double time, PlacePx shift, std::uint64_t seed) const {
+  SampleGrid grid = SampleGrid::regular(size_, specimen_->info().width_mm);
+  for (float& x : grid.x_mm) x -= static_cast<float>(shift.x * grid.texel_mm);
+  for (float& y : grid.y_mm) y += static_cast<float>(shift.y * grid.texel_mm);  // y is up there
+  Image<float> picture =
+      developed(*sensor_, lightOf(mapsAt(*specimen_->prepare(grid), time, size_)), seed);
+  for (std::size_t k = 0; k < picture.texels().size(); ++k)
+    picture.texels()[k] /= flat_.texels()[k];
+  return picture;
+}
+
+namespace {
+
+std::string rigText(const std::string& specimen, SizePx size, bool with_board) {
+  std::string rig =
+      "name = 'bench'\n[[camera]]\nid = 'cam0'\nbackend = 'twin'\n"
+      "[[light]]\nid = 'key'\nbackend = 'twin'\nposition_mm = [60, 40, 500]\n"
+      "[twin]\nspecimen = '" +
+      specimen + "'\nsize = '" + std::to_string(size.width) + "x" + std::to_string(size.height) +
+      "'\n";
+  if (!with_board) return rig;
+  const double width = makeSpecimen(specimen, 1)->info().width_mm;
+  return rig + "[[twin.target]]\nkind = 'charuco'\ncolumns = 5\nrows = 4\nposition_mm = [" +
+         std::to_string(0.28 * width) + ", " + std::to_string(0.28 * width) +
+         ", 0.5]\nwidth_mm = " + std::to_string(0.3 * width) + "\n";
+}
+
+}  // namespace
+
+TwinView::TwinView(const std::string& specimen, SizePx size, std::vector<devices::Fault> faults,
+                   bool with_board)
+    : spec_(devices::parseRig(rigText(specimen, size, with_board), "rig.toml")), clock_(UtcTime{}) {
+  TwinOptions options;
+  options.duration = kRun;
+  options.faults.faults = std::move(faults);
+  world_ = std::make_unique<World>(spec_, options, clock_);
+  maker_ = std::make_unique<PictureMaker>(*world_, spec_.cameras[0], CameraPose{}, 1);
+}
+
+Image<float> TwinView::picture(Nanoseconds at) {
+  ShotLight shot;
+  shot.begin = at;
+  shot.exposure = defaultExposure();
+  shot.levels = {1};
+  shot.noise_key = hashSeed(9, static_cast<std::uint64_t>(at.count()));
+  return demosaic(maker_->expose(shot));
+}
+
+SampleGrid TwinView::groundAt(Nanoseconds at) {
+  ShotLight shot;
+  shot.begin = at;
+  shot.levels = {0};
+  maker_->light(shot);
+  return maker_->grid();
+}
+
+SampleGrid TwinView::onSpecimenAt(Nanoseconds at) {
+  return onSpecimen(groundAt(at), world_->specimenPoseAt(at), world_->specimen().info().width_mm);
+}
+
+RectPx TwinView::patchWithBorder() const {
+  const RectPx patch = layout().patch_px;
+  const int border = std::max(1, patch.width / 16);
+  return {std::max(0, patch.x - border), patch.y - border, patch.width + 2 * border,
+          patch.height + 2 * border};
+}
+
+RectPx TwinView::board() const {
+  const SizePx size = layout().size;
+  const auto x = [&](double share) { return static_cast<int>(share * size.width); };
+  const auto y = [&](double share) { return static_cast<int>(share * size.height); };
+  return {x(0.63), y(0.1), x(0.3), y(0.24)};
+}
+
+PlacePx truePlace(const SampleGrid& before, const SampleGrid& after, PlacePx at) {
+  const double x_mm = sample(before.x_mm, before.size, at.x, at.y),
+               y_mm = sample(before.y_mm, before.size, at.x, at.y);
+  PlacePx place = at;
+  for (int step = 0; step < 20; ++step) {
+    place.x += (x_mm - sample(after.x_mm, after.size, place.x, place.y)) / after.texel_mm;
+    place.y -= (y_mm - sample(after.y_mm, after.size, place.x, place.y)) / after.texel_mm;
+  }
+  return place;
+}
+
+}  // namespace patina::calibration

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures of the twin whose motion is known, for tests of registration.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calibration/registration/motion.h"
+#include "devices/fault_plan.h"
+#include "devices/twin/picture_maker.h"
+#include "processing/image/image.h"
+
+namespace patina::calibration {
+
+// A specimen from straight above without a lens, moved by a known shift: what the picture of no
+// shift shows at (x, y) this one shows at (x + shift.x, y + shift.y). Through sensor and mosaic,
+// demosaiced, flat-corrected; each `seed` has noise of its own.
+class ShiftedSpecimen {
+ public:
+  ShiftedSpecimen(const std::string& name, SizePx size);
+  Image<float> at(double time, PlacePx shift, std::uint64_t seed) const;
+
+ private:
+  std::unique_ptr<devices::twin::Specimen> specimen_;
+  SizePx size_;
+  std::unique_ptr<devices::twin::ImageSensor> sensor_;
+  Image<float> flat_;  // of 16 pictures of a white card
+};
+
+// A camera of the twin, its grey patch in the lower left corner, on a run of 100 h with faults. The
+// board is a ChArUco in the upper right, three tenths of the picture wide.
+class TwinView {
+ public:
+  TwinView(const std::string& specimen, SizePx size, std::vector<devices::Fault> faults = {},
+           bool with_board = false);
+  TwinView(const TwinView&) = delete;
+  TwinView& operator=(const TwinView&) = delete;
+
+  Image<float> picture(Nanoseconds at);  // demosaiced, linear
+  // Where each pixel meets the specimen, in mm of its own: the truth of every motion.
+  devices::twin::SampleGrid onSpecimenAt(Nanoseconds at);
+  devices::twin::SampleGrid groundAt(Nanoseconds at);
+  const devices::twin::PictureLayout& layout() const { return maker_->layout(); }
+  RectPx patchWithBorder() const;
+  RectPx board() const;  // well within it
+
+ private:
+  devices::RigSpec spec_;
+  devices::VirtualClock clock_;
+  std::unique_ptr<devices::twin::World> world_;
+  std::unique_ptr<devices::twin::PictureMaker> maker_;
+};
+
+// Where the frame of grid `after` shows what the frame of `before` shows at `at`. NaN outside.
+PlacePx truePlace(const devices::twin::SampleGrid& before, const devices::twin::SampleGrid& after,
+                  PlacePx at);
+
+}  // namespace patina::calibration
