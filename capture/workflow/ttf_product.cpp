@@ -2,9 +2,15 @@
 #include "capture/workflow/ttf_product.h"
 
 #include "capture/workflow/failure.h"
+#include "processing/image/picture_file.h"
 
 namespace patina::workflow {
 namespace {
+
+std::string rectText(const RectPx& r) {
+  return std::to_string(r.x) + "," + std::to_string(r.y) + "," + std::to_string(r.width) + "," +
+         std::to_string(r.height);
+}
 
 Facts optionsOf(const TtfRequest& request, const FramesReport& frames, SizePx size) {
   Facts options;
@@ -19,10 +25,17 @@ Facts optionsOf(const TtfRequest& request, const FramesReport& frames, SizePx si
     options.set("ambient", request.lamps.ambient).set("lamps_apart", request.lamps.apart);
   options.set("masters", frames.masters);
   if (request.colour) options.text("colour", nameOf(*request.colour));
+  if (request.registration) {
+    options.text("register", name(request.registration->model));
+    options.set("markers", request.registration->markers);
+    options.set("deform", request.registration->deform);
+    std::vector<std::string> fiducials;
+    for (const RectPx& r : request.registration->fiducials) fiducials.push_back(rectText(r));
+    options.set("fiducials", fiducials);
+  }
   options.number("scale", request.build.scale);
   const RectPx region = request.build.region.value_or(RectPx{0, 0, size.width, size.height});
-  options.text("region", std::to_string(region.x) + "," + std::to_string(region.y) + "," +
-                             std::to_string(region.width) + "," + std::to_string(region.height));
+  options.text("region", rectText(region));
   return options;
 }
 
@@ -63,6 +76,18 @@ Facts metadataOf(const TtfRequest& request, const db::ArchiveReader& reader, con
   return facts;
 }
 
+// The pose of every frame, as a product of its own that the texture names as an input.
+void keepRegistration(const std::filesystem::path& archive, const db::ArchiveReader& reader,
+                      const std::string& run_id, const TtfRequest& request, UtcTime now,
+                      Making& making, TtfOutcome& outcome) {
+  const ProductFile file = placeProduct(archive, freeProductId(reader, "registration", run_id),
+                                        "registration.jsonl", {});
+  writeFileAtomically(file.path, registrationLines(outcome.registration, *request.registration));
+  const db::ProductRow row = recordProduct(archive, file, "registration", run_id, making, {}, now);
+  outcome.registration_id = row.id;
+  making.input_sha256s.push_back(row.sha256);
+}
+
 }  // namespace
 
 TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& request, UtcTime now,
@@ -83,6 +108,9 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
     throw WorkflowError(Exit::kUsage, "the region does not lie within the frames of " +
                                           std::to_string(whole.width) + "x" +
                                           std::to_string(whole.height) + " pixels");
+  std::optional<RegisteredFrames> registered;
+  if (request.registration)
+    source = &registered.emplace(*source, *request.registration, std::nullopt, progress);
   std::optional<ColourFrames> coloured;
   if (request.colour)
     source = &coloured.emplace(*source, reader, run.id, frames.report(), *request.colour,
@@ -120,13 +148,22 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
     outcome.frames.gain_min = outcome.lamps.gain_min;
     outcome.frames.gain_max = outcome.lamps.gain_max;
   }
+  if (registered) {
+    outcome.registration = registered->report();
+    keepRegistration(archive, reader, run.id, request, now, making, outcome);
+  }
   outcome.path = file.path;
   const ttf::TtfReader built(file.path);
   const std::vector<double>& times = built.info().time_s;
   const double span = times.empty() ? 0 : times.back() - times.front();
-  outcome.product =
-      recordProduct(archive, file, "ttf", run.id, making,
-                    metadataOf(request, reader, run, outcome.frames, outcome.size, span), now);
+  Facts metadata = metadataOf(request, reader, run, outcome.frames, outcome.size, span);
+  metadata.count("frames", outcome.build.frames);
+  if (registered) {
+    metadata.text("registration", outcome.registration_id);
+    metadata.count("refused_frames", outcome.registration.refused);
+    metadata.count("pose_epochs", static_cast<std::int64_t>(outcome.registration.epochs.size()));
+  }
+  outcome.product = recordProduct(archive, file, "ttf", run.id, making, metadata, now);
   return outcome;
 }
 

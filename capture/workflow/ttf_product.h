@@ -10,6 +10,7 @@
 #include "capture/workflow/colour_frames.h"
 #include "capture/workflow/lamp_frames.h"
 #include "capture/workflow/products.h"
+#include "capture/workflow/registered_frames.h"
 #include "processing/ttf/ttf_build.h"
 
 namespace patina::workflow {
@@ -20,6 +21,7 @@ struct TtfRequest {
   Correction correction;
   LampCorrection lamps;
   std::optional<calibration::ColourSpace> colour;  // nothing: as the camera sees
+  std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
   ttf::BuildOptions build;                         // `every` is the selection's
   std::filesystem::path out;                       // empty: inside the archive
   std::string command, version;
@@ -33,6 +35,8 @@ struct TtfOutcome {
   FramesReport frames;
   ColourFramesReport colour;
   LampFramesReport lamps;  // where lamps were corrected
+  RegistrationReport registration;  // empty when none was asked for
+  std::string registration_id;      // the product with every frame's pose
   ttf::BuildReport build;
   SizePx size;  // of the texture
 };

@@ -13,6 +13,9 @@ struct Options : FrameOptions {
   workflow::TtfRequest request;
   std::optional<RectPx> region;
   bool whole = false;
+  std::string register_by;
+  std::vector<std::string> fiducials;
+  bool markers = false, deform = false;
   std::string out;
 };
 
@@ -34,6 +37,37 @@ void placeRegion(Options& options, const std::filesystem::path& archive) {
   if (request.process.empty() && rig.twin) request.process = rig.twin->specimen;
 }
 
+void askForRegistration(const Options& options, workflow::TtfRequest& request) {
+  const bool more = !options.fiducials.empty() || options.markers || options.deform;
+  if (options.register_by.empty()) {
+    if (more)
+      throw AppError(Exit::kUsage, "--fiducial, --markers and --deform go with --register MODEL");
+    return;
+  }
+  workflow::RegistrationRequest wanted;
+  wanted.model = calibration::parseMotionModel(options.register_by);
+  for (const std::string& rect : options.fiducials) wanted.fiducials.push_back(parseRect(rect));
+  wanted.markers = options.markers;
+  wanted.deform = options.deform;
+  request.registration = wanted;
+}
+
+// What a person should know of it; nothing when no registration was asked for.
+void tellRegistration(Context& context, const workflow::TtfOutcome& outcome) {
+  const workflow::RegistrationReport& report = outcome.registration;
+  if (const std::string refused = workflow::refusedFrames(report); !refused.empty())
+    context.warn(refused);
+  for (const calibration::PoseEpoch& epoch : report.epochs)
+    if (epoch.cause != calibration::EpochCause::kStart)
+      context.warn("frame " + std::to_string(epoch.first_frame) + ": " + name(epoch.cause) +
+                   " moved by " + std::to_string(epoch.jump_px) + " px: a new pose epoch");
+  const RectPx& all = report.seen_by_all;
+  if (!report.frames.empty() && report.largest_move_px >= 0.5)
+    context.warn("every frame shows " + std::to_string(all.x) + "," + std::to_string(all.y) + "," +
+                 std::to_string(all.width) + "," + std::to_string(all.height) +
+                 " of the first one; beyond it texels are 0 where nothing was seen");
+}
+
 void build(Context& context, Options& options) {
   workflow::TtfRequest& request = options.request;
   request.selection = options.selection;
@@ -44,6 +78,7 @@ void build(Context& context, Options& options) {
   request.command = "patina ttf build";
   request.version = PATINA_VERSION;
   request.seed = context.seed();
+  askForRegistration(options, request);
   placeRegion(options, context.archive());
   const workflow::TtfOutcome outcome =
       workflow::makeTtf(context.archive(), request, context.clock.utc(), context.progress);
@@ -58,23 +93,28 @@ void build(Context& context, Options& options) {
                  " steps that are not whole were left out; --partial takes them too");
   std::vector<std::string> calibrations = frames.masters;
   calibrations.insert(calibrations.end(), outcome.colour.used.begin(), outcome.colour.used.end());
+  tellRegistration(context, outcome);
   context.out.asList();
-  context.out.add(std::move(Item()
-                                .set("id", outcome.product.id.c_str())
-                                .set("path", outcome.path.c_str())
-                                .set("run_id", outcome.product.run_id.c_str())
-                                .set("frames", outcome.build.frames)
-                                .set("width_px", outcome.size.width)
-                                .set("height_px", outcome.size.height)
-                                .set("camera", frames.camera.c_str())
-                                .set("light", frames.light.c_str())
-                                .set("exposure", frames.exposure)
-                                .set("gain_min", Value{frames.gain_min})
-                                .set("gain_max", Value{frames.gain_max})
-                                .set("calibrations", Value{calibrations})
-                                .set("clipped_samples", outcome.build.clipped_samples)
-                                .set("steps_partial_left_out", frames.steps_partial_left_out)
-                                .set("sha256", outcome.product.sha256.c_str())));
+  context.out.add(
+      std::move(Item()
+                    .set("id", outcome.product.id.c_str())
+                    .set("path", outcome.path.c_str())
+                    .set("run_id", outcome.product.run_id.c_str())
+                    .set("frames", outcome.build.frames)
+                    .set("width_px", outcome.size.width)
+                    .set("height_px", outcome.size.height)
+                    .set("camera", frames.camera.c_str())
+                    .set("light", frames.light.c_str())
+                    .set("exposure", frames.exposure)
+                    .set("gain_min", Value{frames.gain_min})
+                    .set("gain_max", Value{frames.gain_max})
+                    .set("calibrations", Value{calibrations})
+                    .set("registration", outcome.registration_id.c_str())
+                    .set("frames_refused", outcome.registration.refused)
+                    .set("pose_epochs", std::int64_t(outcome.registration.epochs.size()))
+                    .set("clipped_samples", outcome.build.clipped_samples)
+                    .set("steps_partial_left_out", frames.steps_partial_left_out)
+                    .set("sha256", outcome.product.sha256.c_str())));
 }
 
 }  // namespace
@@ -94,6 +134,12 @@ void addTtfBuild(Verb ttf) {
       .option("--scale", o->request.build.scale, 1e-6, 1e6, "Linear value stored as 65535")
       .option("--colour", o->request.colour, workflow::parseColourSpace, "SPACE",
               "In colours by the archive's chart: srgb (linear, Rec. 709) or xyz (D50)")
+      .option("--register", o->register_by, "MODEL",
+              "Lay frames over the first: translation, euclidean, affine, homography")
+      .option("--fiducial", o->fiducials, "X,Y,W,H",
+              "Hold on to this place alone: no specimen there. May be given again")
+      .flag("--markers", o->markers, "Hold on to the ArUco markers of the first frame")
+      .flag("--deform", o->deform, "Follow a surface that shrinks or warps")
       .flag("--compress", o->request.build.compress, "Smaller and slower")
       .option("--process", o->request.process, "NAME", "For the TTF database: ripening ...")
       .flag("--ambient", o->request.lamps.ambient,
