@@ -6,24 +6,15 @@
 #include <optional>
 #include <string>
 
-#include "capture/workflow/archive_frames.h"
-#include "capture/workflow/colour_frames.h"
-#include "capture/workflow/lamp_frames.h"
-#include "capture/workflow/products.h"
-#include "capture/workflow/registered_frames.h"
+#include "capture/workflow/frame_chain.h"
 #include "processing/ttf/ttf_build.h"
 
 namespace patina::workflow {
 
-struct TtfRequest {
-  std::string run;  // id, unique prefix or "latest"
-  FrameSelection selection;
-  Correction correction;
-  LampCorrection lamps;
-  std::optional<calibration::ColourSpace> colour;  // nothing: as the camera sees
-  std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
-  ttf::BuildOptions build;                         // `every` is the selection's
-  std::filesystem::path out;                       // empty: inside the archive
+struct TtfRequest : FrameRequest {
+  std::string run;            // id, unique prefix or "latest"
+  ttf::BuildOptions build;    // `every` is the selection's, mm_per_texel a rectification's
+  std::filesystem::path out;  // empty: inside the archive
   std::string command, version;
   std::uint64_t seed = 1;
   std::string process, licence;  // for the TTF database
@@ -33,10 +24,10 @@ struct TtfOutcome {
   db::ProductRow product;
   std::filesystem::path path;
   FramesReport frames;
-  ColourFramesReport colour;
-  LampFramesReport lamps;  // where lamps were corrected
-  RegistrationReport registration;  // empty when none was asked for
-  std::string registration_id;      // the product with every frame's pose
+  std::vector<std::string> calibrations;  // "view 4: 2.1 days away", "dark 5: ..."
+  RegistrationReport registration;        // empty when none was asked for
+  std::string registration_id;            // the product with every frame's pose
+  double mm_per_texel = 0;
   ttf::BuildReport build;
   SizePx size;  // of the texture
 };

@@ -83,6 +83,9 @@ void addCalibrateVerbs(Verb root) {
   addCalibrateLights(group);
   addCalibrateGainField(group);
   addCalibrateAlbedo(group);
+  addCalibrateLens(group);
+  addCalibrateVignetting(group);
+  addCalibrateView(group);
 }
 
 }  // namespace patina::app

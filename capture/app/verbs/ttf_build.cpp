@@ -12,18 +12,35 @@ namespace {
 struct Options : FrameOptions {
   workflow::TtfRequest request;
   std::optional<RectPx> region;
-  bool whole = false;
+  bool whole = false, rectify = false;
+  workflow::RectifyRequest rectification;
   std::string register_by;
   std::vector<std::string> fiducials;
   bool markers = false, deform = false;
   std::string out;
 };
 
+calibration::RegionMm parseRegionMm(const std::string& text) {
+  calibration::RegionMm r;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &r.left, &r.bottom, &r.width, &r.height,
+                  &rest) != 4)
+    throw AppError(Exit::kUsage, "'" + text + "' is no region: LEFT,BOTTOM,WIDTH,HEIGHT in mm");
+  return r;
+}
+
 // The twin knows where its specimen is; of another rig's picture everything is taken.
 void placeRegion(Options& options, const std::filesystem::path& archive) {
   workflow::TtfRequest& request = options.request;
   request.build.region = options.region;
-  if (options.region || options.whole) return;
+  if (options.rectify) request.rectify = options.rectification;
+  if (!options.rectify && (options.rectification.region || options.rectification.texels_per_mm > 0))
+    throw AppError(Exit::kUsage,
+                   "--region and --texels-per-mm are of a texture made with --rectify");
+  if (options.rectify && (options.region || options.whole))
+    throw AppError(Exit::kUsage,
+                   "with --rectify the region is in mm: --region, not --roi or --whole");
+  if (options.region || options.whole || options.rectify) return;
   const db::ArchiveReader reader(archive);
   const db::RunRow run = reader.findRun(request.run);
   if (run.state == "imported" || run.rig_toml.empty()) return;
@@ -91,8 +108,6 @@ void build(Context& context, Options& options) {
   if (frames.steps_partial_left_out > 0)
     context.warn(std::to_string(frames.steps_partial_left_out) +
                  " steps that are not whole were left out; --partial takes them too");
-  std::vector<std::string> calibrations = frames.masters;
-  calibrations.insert(calibrations.end(), outcome.colour.used.begin(), outcome.colour.used.end());
   tellRegistration(context, outcome);
   context.out.asList();
   context.out.add(
@@ -103,12 +118,13 @@ void build(Context& context, Options& options) {
                     .set("frames", outcome.build.frames)
                     .set("width_px", outcome.size.width)
                     .set("height_px", outcome.size.height)
+                    .set("mm_per_texel", Value{outcome.mm_per_texel})
                     .set("camera", frames.camera.c_str())
                     .set("light", frames.light.c_str())
                     .set("exposure", frames.exposure)
                     .set("gain_min", Value{frames.gain_min})
                     .set("gain_max", Value{frames.gain_max})
-                    .set("calibrations", Value{calibrations})
+                    .set("calibrations", Value{outcome.calibrations})
                     .set("registration", outcome.registration_id.c_str())
                     .set("frames_refused", outcome.registration.refused)
                     .set("pose_epochs", std::int64_t(outcome.registration.epochs.size()))
@@ -131,6 +147,11 @@ void addTtfBuild(Verb ttf) {
       .option("--roi", o->region, parseRect, "X,Y,W,H",
               "Region of the pictures (default: the twin's specimen; else all)")
       .flag("--whole", o->whole, "The whole picture, also of a twin")
+      .flag("--rectify", o->rectify, "Straight down, in millimetres, by the camera's view")
+      .option("--region", o->rectification.region, parseRegionMm, "X,Y,W,H",
+              "With --rectify: lower left corner and size in mm (default: all that is seen)")
+      .option("--texels-per-mm", o->rectification.texels_per_mm, 1e-3, 1e5,
+              "With --rectify (default: as many as the picture has pixels)")
       .option("--scale", o->request.build.scale, 1e-6, 1e6, "Linear value stored as 65535")
       .option("--colour", o->request.colour, workflow::parseColourSpace, "SPACE",
               "In colours by the archive's chart: srgb (linear, Rec. 709) or xyz (D50)")

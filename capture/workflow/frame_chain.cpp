@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/frame_chain.h"
+
+#include <utility>
+
+namespace patina::workflow {
+namespace {
+
+// Gains follow when ambient light is gone.
+Correction ofArchiveFrames(const FrameRequest& request) {
+  Correction correction = request.correction;
+  if (request.lamps.any()) correction.light_gain = false;
+  return correction;
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& what) {
+  to.insert(to.end(), what.begin(), what.end());
+}
+
+}  // namespace
+
+std::string rectText(const RectPx& r) {
+  return std::to_string(r.x) + "," + std::to_string(r.y) + "," + std::to_string(r.width) + "," +
+         std::to_string(r.height);
+}
+
+FrameChain::FrameChain(const db::ArchiveReader& reader, const db::RunRow& run,
+                       const FrameRequest& request, Progress& progress)
+    : reader_(reader),
+      run_id_(run.id),
+      request_(request),
+      frames_(reader, run.id, request.selection, ofArchiveFrames(request)),
+      source_(&frames_) {
+  const FramesReport& chosen = frames_.report();
+  if (request.lamps.any())
+    source_ = &lamps_.emplace(reader, run.id, frames_, request.selection, request.correction,
+                              request.lamps);
+  if (request.correction.masters)
+    if (const auto known = vignettingFor(reader, chosen, run.t0_utc)) {
+      source_ = &without_falloff_.emplace(*source_, known->vignetting, std::nullopt);
+      geometry_.push_back(known->used);
+    }
+  std::optional<PixelMap> map;
+  if (request.rectify) {
+    RectifyRequest rectify = *request.rectify;
+    rectify.stale = request.correction.stale;
+    rectify_ = rectifyMap(reader, chosen.camera, chosen.size, run.t0_utc, rectify);
+    geometry_.push_back(rectify_->view);
+    map = rectify_->map;
+  }
+  if (request.registration)
+    source_ = &registered_.emplace(*source_, *request.registration, std::move(map), progress);
+  else if (map)
+    source_ = &rectified_.emplace(*source_, std::nullopt, std::move(map));
+  if (request.colour)
+    source_ = &colour_.emplace(*source_, reader, run.id, chosen, *request.colour,
+                               request.correction.stale);
+}
+
+SizePx FrameChain::size() const { return rectify_ ? rectify_->map.size() : frames_.report().size; }
+
+void FrameChain::addOptions(Facts& options) const {
+  const FramesReport& frames = frames_.report();
+  options.text("camera", frames.camera);
+  options.text("light", frames.light);
+  options.count("exposure", frames.exposure);
+  options.set("display_referred", frames.display_referred);
+  options.count("every", request_.selection.every);
+  options.set("partial", request_.selection.partial);
+  options.set("light_gain", request_.correction.light_gain);
+  options.set("masters", frames.masters);
+  if (request_.lamps.any())
+    options.set("ambient", request_.lamps.ambient).set("lamps_apart", request_.lamps.apart);
+  if (request_.colour) options.text("colour", nameOf(*request_.colour));
+  if (const auto& r = request_.registration) {
+    options.text("register", name(r->model)).set("markers", r->markers).set("deform", r->deform);
+    std::vector<std::string> fiducials;
+    for (const RectPx& rect : r->fiducials) fiducials.push_back(rectText(rect));
+    options.set("fiducials", fiducials);
+  }
+  if (!rectify_) return;
+  const calibration::RegionMm& region = rectify_->region;
+  options.number("left_mm", region.left).number("bottom_mm", region.bottom);
+  options.number("width_mm", region.width).number("height_mm", region.height);
+  options.number("mm_per_texel", rectify_->mm_per_texel);
+}
+
+void FrameChain::addInputs(Making& making) const {
+  append(making.input_sha256s, frames_.report().input_sha256s);
+  if (lamps_) append(making.input_sha256s, lamps_->report().input_sha256s);
+  std::vector<std::string> described;
+  for (const UsedGeometry& used : geometry_) {
+    described.push_back(used.described);
+    making.input_sha256s.push_back(used.sha256);
+  }
+  if (!described.empty()) making.options.set("geometry", described);
+  if (!colour_) return;
+  making.options.set("colour_calibrations", colour_->report().input_sha256s);
+  append(making.input_sha256s, colour_->report().input_sha256s);
+}
+
+FramesReport FrameChain::frames() const {
+  FramesReport report = frames_.report();
+  if (lamps_) {
+    report.gain_min = lamps_->report().gain_min;
+    report.gain_max = lamps_->report().gain_max;
+  }
+  return report;
+}
+
+std::vector<std::string> FrameChain::calibrations() const {
+  std::vector<std::string> all = frames_.report().masters;
+  for (const UsedGeometry& used : geometry_) all.push_back(used.described);
+  if (colour_) append(all, colour_->report().used);
+  return all;
+}
+
+std::vector<db::FrameCalibrationRow> FrameChain::bindings() const {
+  std::vector<db::FrameCalibrationRow> all = frames_.bindings();
+  append(all, bindingsOf(reader_, run_id_, frames_.report(), geometry_));
+  if (colour_) append(all, colour_->report().bindings);
+  return all;
+}
+
+}  // namespace patina::workflow

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Everything that is done to a run's frames before they are a texture, in its order: masters and
+// light gains; ambient light and lamps that drifted apart; the lens's fall-off; registration and
+// rectification, resampled once; colour.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/workflow/colour_frames.h"
+#include "capture/workflow/lamp_frames.h"
+#include "capture/workflow/products.h"
+#include "capture/workflow/rectified_frames.h"
+#include "capture/workflow/registered_frames.h"
+
+namespace patina::workflow {
+
+struct FrameRequest {
+  FrameSelection selection;
+  Correction correction;
+  LampCorrection lamps;
+  std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
+  std::optional<RectifyRequest> rectify;            // nothing: as the camera sees it
+  std::optional<calibration::ColourSpace> colour;   // nothing: as the camera sees
+};
+
+std::string rectText(const RectPx& r);  // "X,Y,WIDTH,HEIGHT", as options are kept
+
+// Thread-bound. What it is made of outlives it.
+class FrameChain {
+ public:
+  // Throws WorkflowError as its links do, before any frame is decoded.
+  FrameChain(const db::ArchiveReader& reader, const db::RunRow& run, const FrameRequest& request,
+             Progress& progress);
+
+  ttf::FrameSource& source() { return *source_; }
+  SizePx size() const;
+  double mmPerTexel() const { return rectify_ ? rectify_->mm_per_texel : 0; }  // 0: not known
+  // What changes the result, but for the pictures' calibrations, which follow by addInputs().
+  void addOptions(Facts& options) const;
+  void addInputs(Making& making) const;
+
+  // Of the frames given so far.
+  FramesReport frames() const;
+  std::vector<std::string> calibrations() const;  // "dark 1: 0.2 days away", "view 4: ..."
+  LampFramesReport lamps() const { return lamps_ ? lamps_->report() : LampFramesReport{}; }
+  ColourFramesReport colour() const { return colour_ ? colour_->report() : ColourFramesReport{}; }
+  const RegistrationReport* registration() const {
+    return registered_ ? &registered_->report() : nullptr;
+  }
+  // Which frame was given which calibration, for the catalogue.
+  std::vector<db::FrameCalibrationRow> bindings() const;
+
+ private:
+  const db::ArchiveReader& reader_;
+  const std::string run_id_;
+  const FrameRequest request_;
+  ArchiveFrames frames_;
+  ttf::FrameSource* source_;
+  std::optional<LampFrames> lamps_;
+  std::vector<UsedGeometry> geometry_;
+  std::optional<RectifiedFrames> without_falloff_, rectified_;
+  std::optional<RectifyMap> rectify_;
+  std::optional<RegisteredFrames> registered_;
+  std::optional<ColourFrames> colour_;
+};
+
+}  // namespace patina::workflow
