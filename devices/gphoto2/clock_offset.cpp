@@ -2,6 +2,7 @@
 #include "devices/gphoto2/clock_offset.h"
 
 #include <algorithm>
+#include <sstream>
 
 namespace patina::devices::gphoto2 {
 
@@ -55,6 +56,22 @@ Nanoseconds ClockOffset::aheadOfUtc(UtcTime utc, MonoTime at) const {
   const Interval now = widened(at);
   const Nanoseconds middle = now.least + (now.most - now.least) / 2;
   return middle - (utc.time_since_epoch() - at.time_since_epoch());
+}
+
+std::string ClockOffset::text() const {
+  if (!known_) return "";
+  return std::to_string(known_->least.count()) + " " + std::to_string(known_->most.count()) + " " +
+         std::to_string(seen_.time_since_epoch().count());
+}
+
+ClockOffset ClockOffset::of(const std::string& text) {
+  std::istringstream in(text);
+  std::int64_t least_ns = 0, most_ns = 0, seen_ns = 0;
+  ClockOffset offset;
+  if (!(in >> least_ns >> most_ns >> seen_ns) || least_ns > most_ns) return offset;
+  offset.known_ = {Nanoseconds(least_ns), Nanoseconds(most_ns)};
+  offset.seen_ = monoFromNs(seen_ns);
+  return offset;
 }
 
 }  // namespace patina::devices::gphoto2

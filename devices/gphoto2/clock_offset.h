@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "processing/image/units.h"
 
@@ -27,6 +28,10 @@ class ClockOffset {
   Span when(UtcTime shown, Nanoseconds resolution, MonoTime at) const;
   // The middle of the interval, against UTC that read `utc` at `at`: positive, it is fast.
   Nanoseconds aheadOfUtc(UtcTime utc, MonoTime at) const;
+
+  // For another process of the same boot. What is no such text is not known.
+  std::string text() const;
+  static ClockOffset of(const std::string& text);
 
  private:
   struct Interval {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rungs of the ladder, from a camera that only has to answer to one that is not there yet.
+#include "devices/driver_notes.h"
 #include "devices/gphoto2/connect.h"
 #include "devices/gphoto2/gphoto2_camera.h"
 
@@ -76,7 +77,12 @@ Result<void> Gphoto2Camera::open() {
   if (!exposure) return tl::make_unexpected(exposure.error());
   exposure_ = *exposure;
   if (auto learnt = card_.learn(*session_); !learnt) return learnt;
+  // A process before this one may have seen the clock tick, which takes a second.
+  const std::string note = "clock of " + *serial;
+  if (!judge_.offset.known() && !serial->empty())
+    judge_.offset = ClockOffset::of(driverNote(note).value_or(""));
   const bool has_clock = measureClock(*session_, judge_.offset, clock_);
+  if (!serial->empty()) noteForDriver(note, judge_.offset.text());
   return drain(has_clock ? kQuiet : kSettleBlind, "it came before this session");
 }
 

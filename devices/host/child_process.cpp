@@ -12,6 +12,8 @@
 #include <csignal>
 #include <cstring>
 
+#include "devices/driver_notes.h"
+
 extern char** environ;
 
 namespace patina::devices::host {
@@ -56,11 +58,14 @@ struct SpawnSettings {
   SpawnSettings& operator=(const SpawnSettings&) = delete;
 };
 
-// The environment with another HOME.
+// The environment with another HOME, and notes in it.
 std::vector<std::string> environmentWith(const std::filesystem::path& home) {
-  std::vector<std::string> all{"HOME=" + home.string()};
+  const std::string notes = std::string(kDriverNotes) + "=";
+  std::vector<std::string> all{"HOME=" + home.string(), notes + home.string()};
   for (char** entry = environ; *entry; ++entry)
-    if (std::strncmp(*entry, "HOME=", 5) != 0) all.emplace_back(*entry);
+    if (std::strncmp(*entry, "HOME=", 5) != 0 &&
+        std::strncmp(*entry, notes.c_str(), notes.size()) != 0)
+      all.emplace_back(*entry);
   return all;
 }
 
@@ -73,37 +78,47 @@ std::vector<char*> pointersTo(std::vector<std::string>& words) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(pid_t pid, std::filesystem::path home)
+Result<std::shared_ptr<const DriverHome>> DriverHome::make() {
+  std::error_code error;
+  const auto temporary = std::filesystem::temp_directory_path(error);
+  std::string folder = ((error ? "/tmp" : temporary) / "patina-driver-XXXXXX").string();
+  if (!mkdtemp(folder.data())) return failed(folder.c_str(), errno);
+  return std::shared_ptr<const DriverHome>(new DriverHome(folder));
+}
+
+DriverHome::~DriverHome() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+ChildProcess::ChildProcess(pid_t pid, std::shared_ptr<const DriverHome> home)
     : pid_(pid),
       handle_(static_cast<int>(syscall(SYS_pidfd_open, pid, 0))),
       home_(std::move(home)) {}
 
 Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::string> command,
-                                                          const Descriptor& channel) {
-  std::error_code error;
-  const auto temporary = std::filesystem::temp_directory_path(error);
-  std::string home = ((error ? "/tmp" : temporary) / "patina-driver-XXXXXX").string();
-  if (!mkdtemp(home.data())) return failed(home.c_str(), errno);
+                                                          const Descriptor& channel,
+                                                          std::shared_ptr<const DriverHome> home) {
+  if (!home) {
+    auto made = DriverHome::make();
+    if (!made) return tl::make_unexpected(made.error());
+    home = std::move(*made);
+  }
   // dup2 of 3 onto itself would leave it to be closed on exec.
   const Descriptor elsewhere(fcntl(channel.fd(), F_DUPFD_CLOEXEC, kChannelFd + 1));
   const SpawnSettings settings(elsewhere.fd());
   command.insert(command.end(), {"--fd", std::to_string(kChannelFd)});
-  std::vector<std::string> environment = environmentWith(home);
+  std::vector<std::string> environment = environmentWith(home->path());
   pid_t pid = 0;
   const int refused =
       posix_spawn(&pid, command.front().c_str(), &settings.files, &settings.attributes,
                   pointersTo(command).data(), pointersTo(environment).data());
-  if (refused != 0) {
-    std::filesystem::remove_all(home, error);
-    return failed(command.front().c_str(), refused);
-  }
-  return std::unique_ptr<ChildProcess>(new ChildProcess(pid, home));
+  if (refused != 0) return failed(command.front().c_str(), refused);
+  return std::unique_ptr<ChildProcess>(new ChildProcess(pid, std::move(home)));
 }
 
 ChildProcess::~ChildProcess() {
   if (!ended(kGrace)) kill();
-  std::error_code ignored;
-  std::filesystem::remove_all(home_, ignored);
 }
 
 bool ChildProcess::ended(Nanoseconds within) {

@@ -15,11 +15,28 @@
 
 namespace patina::devices::host {
 
+// A folder for one driver, whichever process it is in: HOME, and its notes (driver_notes.h).
+class DriverHome {
+ public:
+  static Result<std::shared_ptr<const DriverHome>> make();
+  ~DriverHome();  // with all that is in it
+  DriverHome(const DriverHome&) = delete;
+  DriverHome& operator=(const DriverHome&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit DriverHome(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
 class ChildProcess {
  public:
-  // `command` and "--fd 3", which is `channel`. Standard output goes to standard error.
-  static Result<std::unique_ptr<ChildProcess>> start(std::vector<std::string> command,
-                                                     const Descriptor& channel);
+  // `command` and "--fd 3", which is `channel`. Standard output goes to standard error. `home`:
+  // null is one for this process alone.
+  static Result<std::unique_ptr<ChildProcess>> start(
+      std::vector<std::string> command, const Descriptor& channel,
+      std::shared_ptr<const DriverHome> home = nullptr);
   // Waits `grace` for an end of its own, then SIGKILL. Whoever closes the channel first gives the
   // process the chance to close its devices.
   ~ChildProcess();
@@ -31,11 +48,11 @@ class ChildProcess {
   pid_t pid() const { return pid_; }
 
  private:
-  ChildProcess(pid_t pid, std::filesystem::path home);
+  ChildProcess(pid_t pid, std::shared_ptr<const DriverHome> home);
 
   pid_t pid_;
   Descriptor handle_;  // pidfd; -1: the kernel has none
-  std::filesystem::path home_;
+  std::shared_ptr<const DriverHome> home_;
   bool reaped_ = false;
 };
 

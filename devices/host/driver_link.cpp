@@ -96,9 +96,14 @@ Result<void> DriverLink::connect() {
       return fail(Errc::kRefused, failure.what());
     }
   }
+  if (!home_) {
+    auto home = DriverHome::make();
+    if (!home) return tl::make_unexpected(home.error());
+    home_ = std::move(*home);
+  }
   auto ends = makeChannelEnds();
   if (!ends) return tl::make_unexpected(ends.error());
-  auto process = ChildProcess::start(options_.command, ends->theirs);
+  auto process = ChildProcess::start(options_.command, ends->theirs, home_);
   if (!process) return tl::make_unexpected(process.error());
   process_ = std::move(*process);
   channel_ = std::make_unique<Channel>(std::move(ends->ours));

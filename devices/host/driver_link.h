@@ -80,7 +80,8 @@ class DriverLink {
   LinkOptions options_;
   Clock& clock_;  // of the rig: what the process is told
   RealClock real_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;                        // guards what follows
+  std::shared_ptr<const DriverHome> home_;  // of all its processes
   std::unique_ptr<ChildProcess> process_;
   std::unique_ptr<Channel> channel_;
   std::atomic<bool> running_{false};

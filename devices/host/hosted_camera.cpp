@@ -41,11 +41,13 @@ class HostedCamera final : public Camera {
     if (!opened_) return closed(op);
     return answered<T>(*link_, place_, op, body, limits_.call);
   }
+  // Of `opening`.
+  Nanoseconds leftSince(MonoTime begun) const { return begun + limits_.opening - real_.mono(); }
   tl::unexpected<Error> closed(Op op) const {
     return fail(Errc::kRefused,
                 "camera '" + caps_.id + "': " + name(op) + ": recover() comes first");
   }
-  Result<void> climb(Rung rung);
+  Result<void> climb(Rung rung, MonoTime begun);
   Result<void> recycle();
   RawFrame toOurs(RawFrame frame) const;
 
@@ -54,6 +56,7 @@ class HostedCamera final : public Camera {
   std::uint16_t place_;
   CameraLimits limits_;
   Clock& clock_;
+  RealClock real_;
   std::optional<Exposure> asked_, applied_;  // by the last configure that worked
   int shots_ = 0;                            // since the process was started
   bool opened_ = false;                      // a rung was tried: it is lost rather than closed
@@ -133,8 +136,9 @@ Result<std::vector<CameraEvent>> HostedCamera::poll() {
 }
 
 Result<void> HostedCamera::recycle() {
+  const MonoTime begun = real_.mono();
   link_->stop();
-  if (auto up = climb(Rung::kReopen); !up) return up;
+  if (auto up = climb(Rung::kReopen, begun); !up) return up;
   if (!asked_) return {};
   const Exposure before = *applied_;
   const auto again = configure(*asked_);
@@ -147,7 +151,7 @@ Result<void> HostedCamera::recycle() {
                                   "': its settings are others since its driver was started anew");
 }
 
-Result<void> HostedCamera::climb(Rung rung) {
+Result<void> HostedCamera::climb(Rung rung, MonoTime begun) {
   if (!link_->running()) {
     if (auto up = link_->start(); !up) return up;
     shots_ = 0;
@@ -155,19 +159,22 @@ Result<void> HostedCamera::climb(Rung rung) {
   }
   Writer body;
   body.u8(static_cast<std::uint8_t>(rung));
-  auto up = ask<void>(Op::kRecover, body.take());
+  const Nanoseconds limit = rung >= Rung::kReopen ? leftSince(begun) : limits_.call;
+  auto up = answered<void>(*link_, place_, Op::kRecover, body.take(), limit);
   if (up) link_->rested();
   return up;
 }
 
 Result<void> HostedCamera::recover(Rung rung) {
   opened_ = true;
+  const MonoTime begun = real_.mono();
   if (rung >= Rung::kReset) link_->stop();
-  auto up = climb(rung);
+  auto up = climb(rung, begun);
   // A driver that cannot open its camera again in the old process can in a new one.
   if (up || rung != Rung::kReopen || !link_->running()) return up;
+  if (leftSince(begun) < limits_.opening / 2) return up;
   link_->stop();
-  return climb(rung);
+  return climb(rung, begun);
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ namespace patina::devices::host {
 
 struct CameraLimits {
   Nanoseconds call = std::chrono::seconds(10);  // of a call that has no deadline of its own
+  // Of recover() where the camera is opened, once or twice, and of poll() where it recycles.
+  Nanoseconds opening = std::chrono::seconds(10);
   int recycle_shots = 2000;
   std::uint64_t recycle_bytes = 512ull << 20;
 };

@@ -57,5 +57,23 @@ TEST(ClockOffset, TellsHowFarTheCameraIsAheadOfUtc) {
   EXPECT_GE(ahead, 1h + 199ms);
 }
 
+TEST(ClockOffset, AnotherProcessKnowsWhatThisOneDid) {
+  ClockOffset offset;
+  offset.observe(shownAt(kNow, 10ms), 10ms, kNow, kNow + 5ms);
+  ClockOffset again = ClockOffset::of(offset.text());
+  ASSERT_TRUE(again.known());
+  const MonoTime later = kNow + 100s;
+  EXPECT_EQ(again.width(later), offset.width(later));
+  EXPECT_EQ(again.when(shownAt(later, 10ms), 10ms, later).earliest,
+            offset.when(shownAt(later, 10ms), 10ms, later).earliest);
+  EXPECT_FALSE(again.observe(shownAt(later, 1s) + 5s, 1s, later, later)) << "its clock was set";
+}
+
+TEST(ClockOffset, ATextThatIsNoneIsNotKnown) {
+  for (const char* text : {"", "x", "1 2", "2 1 0", "99999999999999999999 1 1"})
+    EXPECT_FALSE(ClockOffset::of(text).known()) << text;
+  EXPECT_EQ(ClockOffset().text(), "");
+}
+
 }  // namespace
 }  // namespace patina::devices::gphoto2

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdlib>
+
+#include "devices/driver_notes.h"
+#include "devices/gphoto2/clock_offset.h"
 #include "tests/devices/gphoto2/bench.h"
+#include "tests/support/temp_folder.h"
 
 namespace patina::devices::gphoto2 {
 namespace {
@@ -46,6 +51,28 @@ TEST_F(Driver, DeletesOnlyWhatIsReleased) {
   EXPECT_EQ(onCard(), 1u);
   EXPECT_THAT(driver().release(first->front()), IsOk());
   EXPECT_EQ(onCard(), 1u);
+}
+
+// Its tick takes a second to see, and bounds the offset to 40 ms at best.
+TEST_F(Driver, AProcessBeforeItSparesItTheWaitForTheCamerasClock) {
+  const testing::TempFolder notes = testing::TempFolder::inMemory();
+  ::setenv(kDriverNotes, notes.path().c_str(), 1);
+  MonoTime before{}, after{};
+  Nanoseconds ahead{};
+  do {
+    before = clock_.mono();
+    ahead = clock_.utc().time_since_epoch() - before.time_since_epoch();
+    after = clock_.mono();
+  } while (after - before > 2ms);
+  const auto ns = [](Nanoseconds t) { return std::to_string(t.count()); };
+  noteForDriver("clock of 1001",
+                ns(ahead - 5ms) + " " + ns(ahead + 5ms) + " " + ns(before.time_since_epoch()));
+  open();
+  const ClockOffset learned = ClockOffset::of(driverNote("clock of 1001").value_or(""));
+  ::unsetenv(kDriverNotes);
+  ASSERT_TRUE(learned.known());
+  EXPECT_LE(learned.width(clock_.mono()), 20ms);
+  expectGoodShot(1);
 }
 
 }  // namespace

@@ -19,9 +19,9 @@ using patina::testing::Fails;
 using ::testing::HasSubstr;
 
 // Runs a shell script whose descriptor 3 is the channel, and gives back what it wrote there.
-std::string said(const std::string& script) {
+std::string said(const std::string& script, std::shared_ptr<const DriverHome> home = nullptr) {
   auto ends = makeChannelEnds();
-  auto child = ChildProcess::start({"/bin/sh", "-c", script, "sh"}, ends->theirs);
+  auto child = ChildProcess::start({"/bin/sh", "-c", script, "sh"}, ends->theirs, std::move(home));
   EXPECT_TRUE(child);
   ends->theirs = Descriptor();
   std::string text;
@@ -45,6 +45,18 @@ TEST(ChildProcess, HasAHomeOfItsOwnThatGoesWithIt) {
       said("printf %s \"$HOME\" >&3; test -w \"$HOME\" || printf ' closed' >&3");
   EXPECT_THAT(home, HasSubstr("patina-driver-"));
   EXPECT_FALSE(std::filesystem::exists(home));
+}
+
+TEST(ChildProcess, FindsTheNotesOfTheOneBefore) {
+  std::filesystem::path folder;
+  {
+    const auto home = DriverHome::make();
+    ASSERT_TRUE(home);
+    folder = (*home)->path();
+    EXPECT_EQ(said("echo learned > \"$PATINA_DRIVER_NOTES/x\"", *home), "");
+    EXPECT_EQ(said("cat \"$PATINA_DRIVER_NOTES/x\" >&3", *home), "learned\n");
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
 TEST(ChildProcess, IsToldWhereItsChannelIs) {

@@ -115,6 +115,18 @@ TEST(HostedCamera, SettingsThatAreOthersAfterARestartAreAFault) {
   EXPECT_THAT(events.error().what, HasSubstr("settings are others"));
 }
 
+// The victim takes 300 ms over each of its rungs.
+TEST(HostedCamera, OpeningHasALimitOfItsOwn) {
+  CameraLimits limits;
+  limits.call = 100ms;
+  HostedBench bench("slow", limits);
+  ASSERT_THAT(bench.camera->recover(Rung::kDrain), IsOk());  // nothing is open yet
+  EXPECT_THAT(bench.camera->recover(Rung::kDrain), Fails(Errc::kTimeout));
+  limits.opening = 100ms;
+  HostedBench hasty("slow", limits);
+  EXPECT_THAT(hasty.camera->recover(Rung::kReopen), Fails(Errc::kTimeout));
+}
+
 TEST(HostedCamera, EveryRungFromResetStartsAProcessOfItsOwn) {
   HostedBench bench("none");
   ASSERT_THAT(bench.camera->recover(Rung::kReopen), IsOk());
