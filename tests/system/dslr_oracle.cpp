@@ -35,13 +35,13 @@ std::string lampsOf(const TruePicture& picture, const std::vector<std::string>& 
 
 }  // namespace
 
-DslrVerdict judge(const std::filesystem::path& archive, const std::string& run_id,
+DslrVerdict judge(const std::filesystem::path& archive, const std::vector<std::string>& run_ids,
                   const Truth& truth, const std::vector<std::string>& lamps, Nanoseconds slack) {
   DslrVerdict verdict;
   std::set<Sha256> archived;
   std::map<std::uint64_t, db::RowId> shot_of_picture;
   const db::ArchiveReader reader(archive);
-  reader.eachFrame(run_id, [&](const db::ArchiveReader::CapturedFrame& row) {
+  const auto look = [&](const db::ArchiveReader::CapturedFrame& row) {
     ++verdict.frames;
     archived.insert(row.frame.sha256);
     const std::string which = "step " + std::to_string(row.step.number.value_or(-1)) + ", shot " +
@@ -61,13 +61,16 @@ DslrVerdict judge(const std::filesystem::path& archive, const std::string& run_i
              formatExposure(row.shot.exposure));
     if (lampsOf(*picture, lamps) != row.shot.light_state)
       broken("lit by " + lampsOf(*picture, lamps) + ", its row says " + row.shot.light_state);
-  });
+  };
+  for (const std::string& run_id : run_ids) reader.eachFrame(run_id, look);
   for (const TruePicture& picture : truth.pictures) {
     for (const auto& file : picture.files) {
-      if (file.lost || (file.deleted_utc && !archived.contains(file.hash)))
+      const bool is_archived = archived.contains(file.hash);
+      verdict.lost_with_power += file.lost && !is_archived;
+      if (file.deleted_utc && !is_archived)
         verdict.broken.push_back("picture " + std::to_string(picture.count) + ", " + file.name +
                                  ": the camera had it, and it is lost");
-      verdict.on_card += !file.deleted_utc;
+      verdict.on_card += !file.deleted_utc && !file.lost;
     }
   }
   return verdict;

@@ -68,8 +68,9 @@ class CaptureOnUsb : public ::testing::Test {
   // Every frame is what its row says, and every hash right.
   DslrVerdict expectTrue(const JsonAnswer& answer) const {
     const std::string run_id = answer.text("/items/0/run_id");
-    DslrVerdict verdict = judge(archive_, run_id, camera_.truth(), {"key", "fill"}, 1ms);
+    DslrVerdict verdict = judge(archive_, {run_id}, camera_.truth(), {"key", "fill"}, 1ms);
     EXPECT_THAT(verdict.broken, ::testing::IsEmpty()) << eventsOf(run_id);
+    EXPECT_EQ(verdict.lost_with_power, 0u);
     EXPECT_EQ(runPatina({"archive", "verify", "--archive", archive_}).exit, 0);
     return verdict;
   }
