@@ -29,6 +29,8 @@ using twin::dslr::PtpIpServer;
 using twin::dslr::TruePicture;
 
 constexpr double kSpeed = 10;
+// With a picture that will come, beside whatever else the machine does: six real seconds.
+constexpr Nanoseconds kPatience = std::chrono::seconds(60);
 
 using SettingsMap = std::map<std::string, std::string>;
 
@@ -83,8 +85,7 @@ class DriverTest : public ::testing::Test {
   }
   MonoTime within(Nanoseconds d) { return clock_.mono() + d; }
 
-  Result<std::vector<RawFrame>> tryShot(std::uint64_t sequence,
-                                        Nanoseconds deadline = std::chrono::seconds(5)) {
+  Result<std::vector<RawFrame>> tryShot(std::uint64_t sequence, Nanoseconds deadline = kPatience) {
     told_ = clock_.mono();
     const auto ticket = driver().trigger(request(sequence));
     if (!ticket) return tl::make_unexpected(ticket.error());

@@ -211,7 +211,7 @@ TEST_F(Misbehaviour, AConnectionCutAtTheTriggerGivesTheNextShotItsOwnPicture) {
 TEST_F(Misbehaviour, APictureStillExposedWhenTheConnectionIsBackIsNotTheNextShots) {
   open();
   Exposure longer;
-  longer.time = 4s;
+  longer.time = 15s;  // longer than a driver takes to be back, or the listing tells of it
   ASSERT_THAT(driver().configure(longer), IsOk());
   order(DslrFaultKind::kEventsLate, Operation::kInitiateCapture, 1h);
   order(DslrFaultKind::kEventsNever, Operation::kInitiateCapture);
@@ -226,7 +226,6 @@ TEST_F(Misbehaviour, APictureStillExposedWhenTheConnectionIsBackIsNotTheNextShot
   climb(cut.error());
   clock_.sleepUntil(told + longer.time + 500ms, {});
   expectGoodShot(2);
-  EXPECT_THAT(events(), HasSubstr("unclaimed picture"));
   EXPECT_EQ(onCard(), 2u);
   expectNothingLost();
 }
