@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The rhythm of a healthy camera on the real clock, alone and beside two that are in trouble: one
-// call that never returns, and a camera that fails, hangs for a while and comes back by turns.
+// The rhythm of a healthy camera on the real clock, alone and beside others that are in trouble:
+// one call that never returns, and a camera that fails, hangs for a while and comes back by turns;
+// a virtual DSLR on the recovery ladder, with its driver in a process of its own.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
 
+#include "capture/app/rig/host_devices.h"
 #include "capture/camera_worker.h"
 #include "capture/session.h"
+#include "devices/twin/dslr/ptpip_server.h"
 #include "processing/image/random.h"
+#include "tests/devices/twin/dslr/dslr_bench.h"
+#include "tests/support/places.h"
 #include "tests/support/temp_folder.h"
 
 namespace patina::testing {
@@ -112,18 +117,21 @@ struct Rhythm {
   capture::SessionStatus status;
 };
 
-Rhythm shoot(std::int64_t shots, const std::vector<Mood>& moods) {
+// `guest`: one more camera. Its triggers of the first `settle` are not counted: a session begins
+// with opening all cameras.
+Rhythm shoot(std::int64_t shots, const std::vector<Mood>& moods, Nanoseconds interval = 50ms,
+             std::unique_ptr<Camera> guest = nullptr, Nanoseconds settle = {}) {
   const TempFolder folder = TempFolder::inMemory();
   RealClock clock;
   Rig rig;
   std::string rig_text = "name = \"bench\"\n";
   for (std::size_t i = 0; i < moods.size(); ++i)
     rig_text += "[[camera]]\nid = \"cam" + std::to_string(i) + "\"\nbackend = \"bench\"\n";
+  if (guest) rig_text += "[[camera]]\nid = \"" + guest->caps().id + "\"\nbackend = \"bench\"\n";
   rig.spec = parseRig(rig_text, folder / "rig.toml");
-  const Nanoseconds interval = 50ms;
   const capture::Plan plan = capture::parsePlan(
-      "rig = \"rig.toml\"\nspecimen = \"card\"\ninterval = \"50ms\"\nduration = \"" +
-          formatDuration(shots * interval) +
+      "rig = \"rig.toml\"\nspecimen = \"card\"\ninterval = \"" + formatDuration(interval) +
+          "\"\nduration = \"" + formatDuration(shots * interval) +
           "\"\n[[sweep]]\nlights = [[]]\nexposures = [\"1/200\"]\n[light_check]\n"
           "mode = \"uncontrolled\"\n",
       folder / "plan.toml");
@@ -135,6 +143,7 @@ Rhythm shoot(std::int64_t shots, const std::vector<Mood>& moods) {
     if (i == 0) camera->triggers_ = &triggers;
     rig.cameras.push_back(std::move(camera));
   }
+  if (guest) rig.cameras.push_back(std::move(guest));
   db::ArchiveOptions options;
   options.folder = folder / "archive";
   options.owner = "bench";
@@ -147,6 +156,7 @@ Rhythm shoot(std::int64_t shots, const std::vector<Mood>& moods) {
   while (capture::callsStillOut() > 0) clock.sleepUntil(clock.mono() + 1ms, {});
   for (const MonoTime fired : triggers) {
     const Nanoseconds since = fired - t0;
+    if (since < settle) continue;
     rhythm.late_ms.push_back(1e-6 * static_cast<double>((since % interval).count()));
   }
   std::sort(rhythm.late_ms.begin(), rhythm.late_ms.end());
@@ -177,6 +187,51 @@ void BM_TriggerLateness(benchmark::State& state) {
 BENCHMARK(BM_TriggerLateness)
     ->Arg(300)
     ->Arg(2000)
+    ->Iterations(1)
+    ->Unit(benchmark::kSecond)
+    ->UseRealTime();
+
+// A virtual DSLR at the end of PTP/IP.
+struct WiredDslr {
+  std::unique_ptr<Camera> driver() {
+    const RigSpec spec = parseRig(
+        "camera = [{ id = 'dslr', backend = 'gphoto2', serial = '1001', call_limit = '300ms', "
+        "settings = { format = 'jpeg', cycle = '50ms', host = '127.0.0.1:" +
+            std::to_string(server.port()) + "' } }]\n",
+        "rig.toml");
+    Rig rig = rig::openHosted(spec, rig::World{}, clock, {program(), "device-host"});
+    return std::move(rig.cameras[0]);
+  }
+
+  RealClock clock;
+  twin::dslr::Dslr body{twin::dslr::dslrWorld(clock), {.serial = "1001"}};
+  twin::dslr::PtpIpServer server{body};
+};
+
+// By turns a DSLR that behaves and one that keeps climbing its ladder, 30 s each.
+void BM_LatenessBesideALadder(benchmark::State& state) {
+  WiredDslr dslr;
+  Rhythm calm, climbing;
+  const auto add = [&](Rhythm& all, std::int64_t shots) {
+    const Rhythm one = shoot(shots, {Mood::kHealthy, Mood::kHealthy}, 200ms, dslr.driver(), 3s);
+    all.late_ms.insert(all.late_ms.end(), one.late_ms.begin(), one.late_ms.end());
+    std::sort(all.late_ms.begin(), all.late_ms.end());
+    all.status.skipped += one.status.skipped;
+  };
+  for (auto _ : state)
+    for (std::int64_t turn = 0; turn < state.range(0); ++turn) {
+      dslr.body.behave();
+      add(calm, 150);
+      dslr.body.misbehave(static_cast<std::uint64_t>(turn), 0.05, 300ms);
+      add(climbing, 150);
+    }
+  report(state, "calm", calm);
+  report(state, "ladder", climbing);
+  state.counters["faults"] = static_cast<double>(dslr.body.truth().faults.size());
+}
+BENCHMARK(BM_LatenessBesideALadder)
+    ->Arg(1)
+    ->Arg(4)
     ->Iterations(1)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();

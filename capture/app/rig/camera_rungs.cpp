@@ -12,8 +12,6 @@ using namespace std::chrono_literals;
 namespace usb = devices::usb;
 
 constexpr Nanoseconds kResetLimit = 4s;
-constexpr Nanoseconds kOff = 3s;    // until a body's capacitors are empty
-constexpr Nanoseconds kOnset = 2s;  // until the kernel knows it again
 
 bool onUsb(const devices::CameraSpec& spec) {
   return !spec.serial.empty() && !spec.settings.contains("host") &&
@@ -31,8 +29,8 @@ struct Power {
   devices::Result<void> cycle(devices::Clock& clock) {
     if (relay)
       if (auto up = relay->recover(); !up) return up;
-    if (auto done = usb::cyclePower(*power_switch, kOff, clock); !done) return done;
-    clock.sleepUntil(clock.mono() + kOnset, {});
+    if (auto done = usb::cyclePower(*power_switch, kPowerOff, clock); !done) return done;
+    clock.sleepUntil(clock.mono() + kPowerOnset, {});
     return {};
   }
 };
