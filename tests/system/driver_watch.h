@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
+#include <string>
 
 #include "tests/support/resources.h"
 
@@ -37,7 +39,14 @@ class DriverWatch {
     for (const auto& [pid, life] : lives_) longest = std::max(longest, life.looks);
     return longest;
   }
-  std::size_t processes() const { return lives_.size(); }
+  std::string text() const {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "%zu driver processes, one for up to %d steps, %+d descriptors, %+.1f MB",
+                  lives_.size(), longestLife(), growth().descriptors,
+                  growth().resident_bytes / 1e6);
+    return text;
+  }
 
  private:
   struct Life {

@@ -23,6 +23,8 @@ int numberFrom(const char* variable, int fallback);  // of the environment
 
 class DslrCampaign : public ::testing::TestWithParam<int> {
  protected:
+  DslrCampaign() { takeAnotherBody(); }
+
   static constexpr int kShotsAStep = 4;  // two lamps, two exposures
 
   // One run. The USB bus is there under umockdev-wrapper alone.
@@ -30,18 +32,19 @@ class DslrCampaign : public ::testing::TestWithParam<int> {
   // PATINA_DSLR_SHOTS shots (50) in parts, each wired and set as the seed PATINA_DSLR_SEED (1) +
   // the parameter says.
   void misbehaveThroughout(bool usb);
-  DslrVerdict verdict();
+  DslrVerdict verdict();      // of what this body took
   std::string story() const;  // "steps: 12 captured 3 failed; rungs: 9 reopen"
 
-  static devices::twin::dslr::DslrOptions body();
+  void takeAnotherBody();  // of the same serial, with an empty card
 
   TempFolder folder_ = TempFolder::inMemory();
   devices::RealClock clock_;
   std::shared_ptr<devices::twin::World> world_ = devices::twin::dslr::dslrWorld(clock_);
-  devices::twin::dslr::Dslr camera_{world_, body()};
+  std::unique_ptr<devices::twin::dslr::Dslr> camera_;
   std::shared_ptr<CallTimes> times_ = std::make_shared<CallTimes>();
   DriverWatch drivers_;
   std::vector<std::string> run_ids_;
+  std::size_t first_run_ = 0;  // of this body
 
  private:
   devices::RigSpec rigOf(const DslrWiring& wiring, const std::string& host) const;

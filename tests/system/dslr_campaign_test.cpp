@@ -12,15 +12,13 @@ TEST_F(DslrCampaign, AWellBehavedCameraGivesEveryShot) {
   const int shots = numberFrom("PATINA_DSLR_CALM_SHOTS", 8);
   const auto summary = run({}, shots, shots > 8 ? 1200 : 4000);
   const DslrVerdict v = verdict();
-  const Resources growth = drivers_.growth();
-  std::printf("%d shots due, %zu frames; %s\n%s\n%zu processes, %+d descriptors, %+.1f MB\n", shots,
-              v.frames, story().c_str(), times_->text().c_str(), drivers_.processes(),
-              growth.descriptors, growth.resident_bytes / 1e6);
+  std::printf("%d shots due, %zu frames; %s\n%s\n%s\n", shots, v.frames, story().c_str(),
+              times_->text().c_str(), drivers_.text().c_str());
   EXPECT_THAT(v.broken, ::testing::IsEmpty());
   EXPECT_EQ(v.frames, static_cast<std::size_t>(shots));
   EXPECT_LE(v.on_card, 1u);  // whose release the session's end overtook
   EXPECT_EQ(summary.last.captured, shots / kShotsAStep);
-  EXPECT_EQ(growth.descriptors, 0);
+  EXPECT_EQ(drivers_.growth().descriptors, 0);
 }
 
 TEST_P(DslrCampaign, NoPictureIsLostDoubledOrMisplacedWhateverTheCameraDoes) {
