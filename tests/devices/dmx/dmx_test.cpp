@@ -93,6 +93,8 @@ TEST_F(DmxLights, ShareTheSenderOfTheirUniverse) {
   EXPECT_EQ(shown(), (std::vector<int>{255, 255, 0, 0, 0, 0, 0, 0}));
   fill.reset();  // its channel goes dark, the other lamp stays
   EXPECT_EQ(shown(), (std::vector<int>{255, 0, 0, 0, 0, 0, 0, 0}));
+  second.id = "rim";
+  EXPECT_NO_THROW(makeLight(second, "rig.toml", clock_));  // and its channel is free
 }
 
 TEST_F(DmxLights, RefuseAChannelThatAnotherLampHas) {

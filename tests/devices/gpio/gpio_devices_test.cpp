@@ -82,9 +82,12 @@ TEST_F(GpioDevices, ALampHoldsItsLineAndLetsGoWhenItGoes) {
   ASSERT_THAT(lamp->recover(), IsOk());
   ASSERT_THAT(lamp->set(1), IsOk());
   EXPECT_EQ(*lamp->isOn(), std::nullopt);
+  ASSERT_THAT(lamp->set(0), IsOk());
+  ASSERT_THAT(lamp->set(0.3), IsOk());
   lamp.reset();
-  EXPECT_THAT(chip_.did, ElementsAre("take pins:17/low 0", "pins:17/low off 0", "pins:17/low on 0",
-                                     "release pins:17/low 0"));
+  EXPECT_THAT(chip_.did,
+              ElementsAre("take pins:17/low 0", "pins:17/low off 0", "pins:17/low on 0",
+                          "pins:17/low off 0", "pins:17/low on 0", "release pins:17/low 0"));
 }
 
 TEST_F(GpioDevices, RecoverKeepsALineThatAnswersAndTakesALostOneAnew) {

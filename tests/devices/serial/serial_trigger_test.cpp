@@ -80,6 +80,12 @@ TEST_F(SerialTrigger, LetsGoWhenItGoes) {
   EXPECT_THAT(port_->did, ElementsAre("dtr 0 0", "dtr 0 0"));
 }
 
+TEST_F(SerialTrigger, LetsGoOfBothLinesWhenItIsRecovered) {
+  const auto trigger = make({{"line", "rts"}, {"half_line", "dtr"}});
+  ASSERT_THAT(trigger->recover(), IsOk());
+  EXPECT_THAT(port_->did, ElementsAre("rts 0 0", "dtr 0 0"));
+}
+
 TEST_F(SerialTrigger, RefusesSettingsThatDoNotBelongTogether) {
   EXPECT_THAT(refusalOf({}), HasSubstr("give line or fire"));
   EXPECT_THAT(refusalOf({{"line", "rts"}, {"fire", "x"}}), HasSubstr("give line or fire"));

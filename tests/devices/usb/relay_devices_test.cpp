@@ -57,6 +57,26 @@ TEST_F(RelayDevices, ALampConfirmsAndOpensItsRelayWhenItGoes) {
   EXPECT_EQ(board_->state, 1u);
 }
 
+TEST_F(RelayDevices, ALampIsOffAfterItsRecoveryAndAfterAnOrderOfNothing) {
+  const auto lamp = light({{"relay", "2"}});
+  board_->state = 3;  // as a crash left it
+  ASSERT_THAT(lamp->recover(), IsOk());
+  EXPECT_EQ(board_->state, 1u);
+  ASSERT_THAT(lamp->set(1), IsOk());
+  ASSERT_THAT(lamp->set(0), IsOk());
+  EXPECT_EQ(board_->state, 1u);
+}
+
+TEST_F(RelayDevices, ATriggerLetsGoOfBothRelaysWhenItIsRecoveredAndWhenItGoes) {
+  auto shutter = trigger({{"relay", "1"}, {"half_relay", "2"}});
+  board_->state = 7;
+  ASSERT_THAT(shutter->recover(), IsOk());
+  EXPECT_EQ(board_->state, 4u);
+  board_->state = 7;
+  shutter.reset();
+  EXPECT_EQ(board_->state, 4u);
+}
+
 TEST_F(RelayDevices, ATriggerPressesAndLetsGo) {
   const auto shutter =
       trigger({{"relay", "1"}, {"half_relay", "2"}, {"half", "200ms"}, {"pulse", "50ms"}});
