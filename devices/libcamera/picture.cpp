@@ -2,6 +2,7 @@
 #include "devices/libcamera/picture.h"
 
 #include "processing/image/dng_file.h"
+#include "processing/image/kept_samples.h"
 #include "processing/image/linear_png.h"
 
 namespace patina::devices::libcamera {
@@ -15,20 +16,13 @@ Bytes jpegAsItCame(const StreamFormat& format, std::span<const std::byte> frame)
 }
 
 Bytes greyFile(const PackedPixels& packed) {
-  Image<std::uint16_t> samples = unpackSamples(packed);
-  const std::uint32_t white = (1u << packed.bits) - 1;
-  for (std::uint16_t& v : samples.texels())
-    v = static_cast<std::uint16_t>((v * 65535u + white / 2) / white);
-  return encodeLinearPng(std::as_const(samples).view());
+  const Image<std::uint16_t> samples = unpackFullScale(packed);
+  return encodeLinearPng(samples.view());
 }
 
 Bytes mosaicFile(const StreamFormat& format, const PackedPixels& packed,
                  const PictureFacts& facts) {
-  RawMosaic raw;
-  raw.samples = unpackSamples(packed);
-  raw.cfa = format.pixel->cfa;
-  raw.black_level = facts.black_level;
-  raw.white_level = (1 << packed.bits) - 1;
+  RawMosaic raw = unpackMosaic(packed, format.pixel->cfa, facts.black_level);
   raw.exposure = facts.exposure.time;
   raw.iso = facts.exposure.iso;
   raw.f_number = facts.exposure.f_number;

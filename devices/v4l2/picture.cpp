@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "processing/image/dng_file.h"
+#include "processing/image/kept_samples.h"
 #include "processing/image/linear_png.h"
 #include "processing/image/packed_pixels.h"
 
@@ -71,26 +72,20 @@ Bytes jpegFile(const FrameFormat& format, std::span<const std::byte> frame) {
 }
 
 Bytes greyFile(const FrameFormat& format, const PackedPixels& packed) {
-  Image<std::uint16_t> samples = unpackSamples(packed);
   if (packed.bits == 8 && !format.linear) {
+    const Image<std::uint16_t> samples = unpackSamples(packed);
     Image<std::uint8_t> grey(samples.width(), samples.height(), 1);
     std::transform(samples.texels().begin(), samples.texels().end(), grey.texels().begin(),
                    [](std::uint16_t v) { return static_cast<std::uint8_t>(v); });
     return encodePng(std::as_const(grey).view());
   }
-  const std::uint32_t white = (1u << packed.bits) - 1;
-  for (std::uint16_t& v : samples.texels())
-    v = static_cast<std::uint16_t>((v * 65535u + white / 2) / white);
-  const auto view = std::as_const(samples).view();
+  const Image<std::uint16_t> samples = unpackFullScale(packed);
+  const auto view = samples.view();
   return format.linear ? encodeLinearPng(view) : encodePng(view);
 }
 
 Bytes mosaicFile(const FrameFormat& format, const PackedPixels& packed, const PictureFacts& facts) {
-  RawMosaic raw;
-  raw.samples = unpackSamples(packed);
-  raw.cfa = format.pixel->cfa;
-  raw.black_level = facts.black_level;
-  raw.white_level = (1 << packed.bits) - 1;
+  RawMosaic raw = unpackMosaic(packed, format.pixel->cfa, facts.black_level);
   raw.exposure = facts.exposure.time;
   raw.iso = facts.exposure.iso;
   raw.f_number = facts.exposure.f_number;
