@@ -13,6 +13,7 @@ namespace patina::calibration {
 namespace {
 
 constexpr int kBlocksASide = 128;
+constexpr double kLeftOutMost = 0.2;  // of the blocks
 constexpr int kDegreeMost = 8, kTermsMost = (kDegreeMost + 1) * (kDegreeMost + 2) / 2;
 
 int termsOf(int degree) { return (degree + 1) * (degree + 2) / 2; }
@@ -173,7 +174,7 @@ LampField fitLampField(ImageView<const float> target, std::span<const RectPx> re
   field.report.blocks = static_cast<int>(blocks.size());
   for (const Block& b : blocks) field.report.left_out += !b.used;
   if (!(field.report.residual_rms <= options.residual_most) ||
-      field.report.left_out > field.report.blocks / 3)
+      field.report.left_out > kLeftOutMost * field.report.blocks)
     throw CalibrationError(
         Exit::kBadData,
         "what shows there is no even target: " + std::to_string(100 * field.report.residual_rms) +

@@ -14,26 +14,38 @@ struct Options {
   int exposure = -1;
 };
 
-std::array<double, 3> parseReflectance(const std::string& text) {
-  std::array<double, 3> rho{};
+double parseShare(const std::string& text) {
+  double share = 0;
   int end = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &rho[0], &rho[1], &rho[2], &end) == 3 &&
-      text[static_cast<std::size_t>(end)] == '\0')
-    return rho;
-  if (std::sscanf(text.c_str(), "%lf%n", &rho[0], &end) == 1 &&
-      text[static_cast<std::size_t>(end)] == '\0')
-    return {rho[0], rho[0], rho[0]};
-  throw AppError(Exit::kUsage, "'" + text + "' is no reflectance; it is 0.36 or R,G,B");
+  if (std::sscanf(text.c_str(), "%lf%n", &share, &end) != 1 ||
+      text[static_cast<std::size_t>(end)] != '\0')
+    throw AppError(Exit::kUsage, "'" + text + "' is no reflectance; it is 0.36 or R,G,B");
+  return share;
+}
+
+// One number a target, or three.
+std::vector<calibration::AlbedoTarget> targetsOf(const Options& options) {
+  const std::vector<RectPx> rects = parseTargets(options.targets);
+  const std::vector<std::string>& numbers = options.reflectances;
+  const bool grey = numbers.size() == rects.size();
+  if (rects.empty() || (!grey && numbers.size() != 3 * rects.size()))
+    throw AppError(Exit::kUsage,
+                   "every --target has its --reflectance, all of them grey or all of them R,G,B");
+  std::vector<calibration::AlbedoTarget> targets;
+  for (std::size_t i = 0; i < rects.size(); ++i) {
+    calibration::AlbedoTarget target;
+    target.rect_px = rects[i];
+    for (std::size_t c = 0; c < 3; ++c)
+      target.reflectance[c] = parseShare(numbers[grey ? i : 3 * i + c]);
+    targets.push_back(target);
+  }
+  return targets;
 }
 
 void calibrate(Context& context, Options& options) {
   workflow::AlbedoRequest& request = options.request;
   workflow::MeanPictureRequest& pictures = request.pictures;
-  if (options.targets.size() != options.reflectances.size())
-    throw AppError(Exit::kUsage, "every --target has its --reflectance");
-  for (std::size_t i = 0; i < options.targets.size(); ++i)
-    request.targets.push_back(
-        {parseRect(options.targets[i]), parseReflectance(options.reflectances[i])});
+  request.targets = targetsOf(options);
   if (std::filesystem::is_directory(options.source))
     pictures.folder = options.source;
   else

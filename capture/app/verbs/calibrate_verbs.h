@@ -2,6 +2,9 @@
 // The kinds of `patina calibrate` that have a file of their own.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "capture/app/command_line.h"
 
 namespace patina::app {
@@ -13,5 +16,8 @@ void addCalibrateLights(Verb& group);
 void addCalibrateLens(Verb& group);
 void addCalibrateVignetting(Verb& group);
 void addCalibrateView(Verb& group);
+
+// --target X,Y,W,H, given any number of times: such lists arrive without their commas.
+std::vector<RectPx> parseTargets(const std::vector<std::string>& numbers);
 
 }  // namespace patina::app

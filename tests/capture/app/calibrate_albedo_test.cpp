@@ -21,7 +21,7 @@ TEST_F(CalibrateAlbedo, GivesTheScaleOfKnownTargets) {
   const JsonAnswer albedo =
       answerOf(runPatina({"calibrate", "albedo", folder_ / "card", "--target", "5,5,20,20",
                           "--reflectance", "0.36", "--target", "30,5,20,20", "--reflectance",
-                          "0.36,0.36,0.36", "--out", folder_ / "albedo.json", "--json"}));
+                          "0.36", "--out", folder_ / "albedo.json", "--json"}));
   EXPECT_NEAR(albedo.number("/items/0/scale_g"), 1.2, 1e-5);
   EXPECT_THAT(readFile(folder_ / "albedo.json"), ::testing::HasSubstr("patina.albedo/1"));
 }
