@@ -6,13 +6,11 @@
 #pragma once
 
 #include "calibration/colour/reference_chart.h"
+#include "calibration/place.h"
 #include "processing/image/image.h"
 
 namespace patina::calibration {
 
-struct PlacePx {
-  double x = 0, y = 0;
-};
 // The middles of dark skin, bluish green, black and white, as the chart's maker lays it out.
 using ChartCorners = std::array<PlacePx, 4>;
 

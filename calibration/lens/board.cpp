@@ -56,7 +56,7 @@ BoardSight sightOf(const BoardSpec& board, const std::vector<Point2f>& corners,
 double bend(const BoardSight& sight) {
   std::vector<cv::Point2d> from, to, through;
   for (const PointMm& p : sight.board_mm) from.emplace_back(p.x, p.y);
-  for (const PointPx& p : sight.seen_px) to.emplace_back(p.x, p.y);
+  for (const PlacePx& p : sight.seen_px) to.emplace_back(p.x, p.y);
   const cv::Mat homography = cv::findHomography(from, to);
   if (homography.empty() || !(sight.spacing_px > 0)) return 1;
   cv::perspectiveTransform(from, through, homography);

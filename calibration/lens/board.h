@@ -27,7 +27,7 @@ std::string describe(const BoardSpec& board);  // "9x6 inner corners", "ChArUco 
 // looks the same either way.
 struct BoardSight {
   std::vector<PointMm> board_mm;
-  std::vector<PointPx> seen_px;  // to a fraction of a pixel
+  std::vector<PlacePx> seen_px;  // to a fraction of a pixel
   double spacing_px = 0;         // of neighbouring corners, mean
 };
 

@@ -11,8 +11,8 @@ using cv::Matx33d, cv::Point2d, cv::Vec3d;
 constexpr int kIterationsMost = 100;
 constexpr double kPrecision = 1e-10;  // of a step, in focal lengths
 
-std::vector<PointPx> placesOf(const std::vector<Point2d>& points) {
-  std::vector<PointPx> places;
+std::vector<PlacePx> placesOf(const std::vector<Point2d>& points) {
+  std::vector<PlacePx> places;
   places.reserve(points.size());
   for (const Point2d& p : points) places.push_back({p.x, p.y});
   return places;
@@ -42,10 +42,10 @@ std::array<double, 5> distortionOf(const Lens& lens) {
   return {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3};
 }
 
-std::vector<PointPx> undistorted(const Lens& lens, std::span<const PointPx> seen) {
+std::vector<PlacePx> undistorted(const Lens& lens, std::span<const PlacePx> seen) {
   if (seen.empty()) return {};
   std::vector<Point2d> in, out;
-  for (const PointPx& p : seen) in.emplace_back(p.x, p.y);
+  for (const PlacePx& p : seen) in.emplace_back(p.x, p.y);
   const Matx33d matrix(matrixOf(lens).data());
   cv::undistortPoints(
       in, out, matrix, distortionOf(lens), cv::noArray(), matrix,
@@ -53,10 +53,10 @@ std::vector<PointPx> undistorted(const Lens& lens, std::span<const PointPx> seen
   return placesOf(out);
 }
 
-std::vector<PointPx> distorted(const Lens& lens, std::span<const PointPx> straight) {
+std::vector<PlacePx> distorted(const Lens& lens, std::span<const PlacePx> straight) {
   if (straight.empty()) return {};
   std::vector<cv::Point3d> rays;
-  for (const PointPx& p : straight)
+  for (const PlacePx& p : straight)
     rays.emplace_back((p.x - lens.cx) / lens.fx, (p.y - lens.cy) / lens.fy, 1.0);
   std::vector<Point2d> out;
   cv::projectPoints(rays, Vec3d(), Vec3d(), Matx33d(matrixOf(lens).data()), distortionOf(lens),
@@ -67,15 +67,15 @@ std::vector<PointPx> distorted(const Lens& lens, std::span<const PointPx> straig
 double widestRadius(const Lens& lens) {
   const double right = lens.size.width - 0.5, bottom = lens.size.height - 0.5;
   constexpr int kSteps = 16;
-  std::vector<PointPx> rim;
+  std::vector<PlacePx> rim;
   for (int i = 0; i <= kSteps; ++i) {
     const double x = -0.5 + (right + 0.5) * i / kSteps, y = -0.5 + (bottom + 0.5) * i / kSteps;
-    for (const PointPx& p :
-         {PointPx{x, -0.5}, PointPx{x, bottom}, PointPx{-0.5, y}, PointPx{right, y}})
+    for (const PlacePx& p :
+         {PlacePx{x, -0.5}, PlacePx{x, bottom}, PlacePx{-0.5, y}, PlacePx{right, y}})
       rim.push_back(p);
   }
   double widest = 0;
-  for (const PointPx& p : undistorted(lens, rim))
+  for (const PlacePx& p : undistorted(lens, rim))
     widest = std::max(widest, std::hypot((p.x - lens.cx) / lens.fx, (p.y - lens.cy) / lens.fy));
   return widest;
 }

@@ -15,13 +15,11 @@
 #include <vector>
 
 #include "calibration/failure.h"
+#include "calibration/place.h"
 #include "processing/image/image.h"
 
 namespace patina::calibration {
 
-struct PointPx {
-  double x = 0, y = 0;
-};
 struct PointMm {
   double x = 0, y = 0, z = 0;
 };
@@ -38,10 +36,10 @@ std::array<double, 5> distortionOf(const Lens& lens);  // k1 k2 p1 p2 k3
 
 // Where a lens without distortion, of the same focal length, would see the same points, in pixels.
 // Iterates to 1e-7 px. O(points).
-std::vector<PointPx> undistorted(const Lens& lens, std::span<const PointPx> seen);
+std::vector<PlacePx> undistorted(const Lens& lens, std::span<const PlacePx> seen);
 // The other way round. Exact. Beyond the picture the polynomial may fold back: ask only for what
 // undistorted() gives of the picture, or a little around it.
-std::vector<PointPx> distorted(const Lens& lens, std::span<const PointPx> straight);
+std::vector<PlacePx> distorted(const Lens& lens, std::span<const PlacePx> straight);
 
 // The largest radius in focal lengths, undistorted, that a pixel of the picture sees.
 double widestRadius(const Lens& lens);

@@ -52,7 +52,7 @@ void describeCoverage(std::span<const BoardSight> sights, SizePx size, LensRepor
   std::vector<cv::Point2f> all, hull;
   const double middle_x = (size.width - 1) / 2.0, middle_y = (size.height - 1) / 2.0;
   for (const BoardSight& sight : sights)
-    for (const PointPx& p : sight.seen_px) {
+    for (const PlacePx& p : sight.seen_px) {
       all.emplace_back(static_cast<float>(p.x), static_cast<float>(p.y));
       report.covered_radius =
           std::max(report.covered_radius, std::hypot(p.x - middle_x, p.y - middle_y));
@@ -121,7 +121,7 @@ LensFit fitLens(std::span<const BoardSight> sights, SizePx size, const LensOptio
     for (const PointMm& p : sight.board_mm)
       boards.back().emplace_back(static_cast<float>(p.x), static_cast<float>(p.y), 0.0f);
     seen.emplace_back();
-    for (const PointPx& p : sight.seen_px)
+    for (const PlacePx& p : sight.seen_px)
       seen.back().emplace_back(static_cast<float>(p.x), static_cast<float>(p.y));
   }
   Solution s;

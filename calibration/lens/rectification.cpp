@@ -44,10 +44,10 @@ SizePx sizeOf(const RectifyOptions& options) {
 
 RegionMm seenRegion(const Lens& lens, const View& view) {
   const double right = lens.size.width - 1, bottom = lens.size.height - 1;
-  std::vector<PointPx> rim{{right / 2, bottom / 2}};
+  std::vector<PlacePx> rim{{right / 2, bottom / 2}};
   for (int i = 0; i <= kRimSteps; ++i) {
     const double x = right * i / kRimSteps, y = bottom * i / kRimSteps;
-    for (const PointPx& p : {PointPx{x, 0}, PointPx{x, bottom}, PointPx{0, y}, PointPx{right, y}})
+    for (const PlacePx& p : {PlacePx{x, 0}, PlacePx{x, bottom}, PlacePx{0, y}, PlacePx{right, y}})
       rim.push_back(p);
   }
   const std::vector<PointMm> places = planePlaces(lens, view, rim);
@@ -76,7 +76,7 @@ double naturalTexelsPerMm(const Lens& lens, const View& view, const RegionMm& re
   const double x = region.left + region.width / 2, y = region.bottom + region.height / 2;
   const double step = std::min(region.width, region.height) * 1e-3;
   const std::vector<PointMm> places{{x, y, 0}, {x + step, y, 0}, {x, y + step, 0}};
-  const std::vector<PointPx> seen = project(lens, view, places);
+  const std::vector<PlacePx> seen = project(lens, view, places);
   const double across = std::hypot(seen[1].x - seen[0].x, seen[1].y - seen[0].y) / step;
   const double up = std::hypot(seen[2].x - seen[0].x, seen[2].y - seen[0].y) / step;
   const double finer = std::max(across, up);
@@ -98,7 +98,7 @@ PixelMap rectification(const Lens& lens, const View& view, const RectifyOptions&
     for (int x = 0; x < size.width; ++x)
       places[static_cast<std::size_t>(x)] = {options.region.left + (x + 0.5) * step,
                                              top - (y + 0.5) * step, 0};
-    const std::vector<PointPx> seen = project(lens, view, places);
+    const std::vector<PlacePx> seen = project(lens, view, places);
     for (int x = 0; x < size.width; ++x) {
       to.at(x, y, 0) = static_cast<float>(seen[static_cast<std::size_t>(x)].x);
       to.at(x, y, 1) = static_cast<float>(seen[static_cast<std::size_t>(x)].y);

@@ -23,7 +23,7 @@ Vec3d originOf(const View& view) {
 void describe(const Lens& lens, const PlaneSight& sight, ViewFit& fit) {
   ViewReport& report = fit.report;
   report.points = static_cast<int>(sight.seen_px.size());
-  const std::vector<PointPx> expected = project(lens, fit.view, sight.plane_mm);
+  const std::vector<PlacePx> expected = project(lens, fit.view, sight.plane_mm);
   double sum = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const double off =
@@ -36,7 +36,7 @@ void describe(const Lens& lens, const PlaneSight& sight, ViewFit& fit) {
   report.camera_mm = {camera[0], camera[1], camera[2]};
   report.tilt_deg = std::acos(std::clamp(-fit.view.camera_from_plane[8], -1.0, 1.0)) * 180 / M_PI;
   const double x = (lens.size.width - 1) / 2.0, y = (lens.size.height - 1) / 2.0;
-  const std::vector<PointPx> middle{{x - 0.5, y}, {x + 0.5, y}};
+  const std::vector<PlacePx> middle{{x - 0.5, y}, {x + 0.5, y}};
   const std::vector<PointMm> there = planePlaces(lens, fit.view, middle);
   report.mm_per_px = std::hypot(there[1].x - there[0].x, there[1].y - there[0].y);
 }
@@ -49,7 +49,7 @@ PlaneSight planeOf(const BoardSight& sight) {
   double to_right[2] = {0, 0}, squares[2] = {0, 0}, down[2] = {0, 0};
   double mean_x = 0, mean_y = 0;
   const auto count = static_cast<double>(sight.seen_px.size());
-  for (const PointPx& p : sight.seen_px) {
+  for (const PlacePx& p : sight.seen_px) {
     mean_x += p.x / count;
     mean_y += p.y / count;
   }
@@ -88,7 +88,7 @@ ViewFit fitView(const Lens& lens, const PlaneSight& sight) {
   std::vector<cv::Point3d> places;
   std::vector<Point2d> seen;
   for (const PointMm& p : sight.plane_mm) places.emplace_back(p.x, p.y, 0);
-  for (const PointPx& p : sight.seen_px) seen.emplace_back(p.x, p.y);
+  for (const PlacePx& p : sight.seen_px) seen.emplace_back(p.x, p.y);
   const Matx33d matrix(matrixOf(lens).data());
   Vec3d rotation, origin;
   try {
@@ -119,30 +119,30 @@ ViewFit fitView(const Lens& lens, const PlaneSight& sight) {
   return fit;
 }
 
-std::vector<PointPx> project(const Lens& lens, const View& view,
+std::vector<PlacePx> project(const Lens& lens, const View& view,
                              std::span<const PointMm> plane_mm) {
   const Matx33d rotation = rotationOf(view);
   const Vec3d origin = originOf(view);
   const double radius_most = kBeyondPicture * widestRadius(lens);
-  std::vector<PointPx> straight;
+  std::vector<PlacePx> straight;
   straight.reserve(plane_mm.size());
   for (const PointMm& p : plane_mm) {
     const Vec3d at = rotation * Vec3d(p.x, p.y, p.z) + origin;
     const double x = at[0] / at[2], y = at[1] / at[2];
     const bool known = at[2] > 0 && std::hypot(x, y) <= radius_most;
-    straight.push_back(known ? PointPx{x * lens.fx + lens.cx, y * lens.fy + lens.cy}
-                             : PointPx{kNowhere, kNowhere});
+    straight.push_back(known ? PlacePx{x * lens.fx + lens.cx, y * lens.fy + lens.cy}
+                             : PlacePx{kNowhere, kNowhere});
   }
   return distorted(lens, straight);
 }
 
 std::vector<PointMm> planePlaces(const Lens& lens, const View& view,
-                                 std::span<const PointPx> seen) {
+                                 std::span<const PlacePx> seen) {
   const Matx33d back = rotationOf(view).t();
   const Vec3d camera = -1 * (back * originOf(view));
   std::vector<PointMm> places;
   places.reserve(seen.size());
-  for (const PointPx& p : undistorted(lens, seen)) {
+  for (const PlacePx& p : undistorted(lens, seen)) {
     const Vec3d along = back * Vec3d((p.x - lens.cx) / lens.fx, (p.y - lens.cy) / lens.fy, 1);
     const double length = -camera[2] / along[2];
     const bool meets = length > 0 && std::isfinite(length);

@@ -15,7 +15,7 @@ struct View {
 };
 struct PlaneSight {
   std::vector<PointMm> plane_mm;  // z = 0
-  std::vector<PointPx> seen_px;
+  std::vector<PlacePx> seen_px;
 };
 struct ViewReport {
   int points = 0;
@@ -40,8 +40,8 @@ ViewFit fitView(const Lens& lens, const PlaneSight& sight);
 
 // Pixels at which the camera sees places of the plane; NaN for what lies behind it or so far
 // outside of the picture that the lens is not known there.
-std::vector<PointPx> project(const Lens& lens, const View& view, std::span<const PointMm> plane_mm);
+std::vector<PlacePx> project(const Lens& lens, const View& view, std::span<const PointMm> plane_mm);
 // Where pixels meet the plane; NaN above the horizon.
-std::vector<PointMm> planePlaces(const Lens& lens, const View& view, std::span<const PointPx> seen);
+std::vector<PointMm> planePlaces(const Lens& lens, const View& view, std::span<const PlacePx> seen);
 
 }  // namespace patina::calibration

@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "calibration/place.h"
 #include "processing/image/units.h"
 
 namespace patina::calibration {
@@ -19,9 +20,6 @@ enum class MotionModel { kTranslation, kEuclidean, kAffine, kHomography };
 const char* name(MotionModel model);
 MotionModel parseMotionModel(const std::string& name);  // CalibrationError(kUsage) names them all
 
-struct PlacePx {
-  double x = 0, y = 0;
-};
 PlacePx moved(const Motion& motion, PlacePx place);
 Motion product(const Motion& second, const Motion& first);
 Motion inverse(const Motion& motion);  // PATINA_CHECKs that there is one

@@ -21,7 +21,7 @@ BoardSpec charucoOf(int columns, int rows) { return {BoardSpec::kCharuco, column
 double errorPx(const BoardSight& sight, const devices::TargetSpec& target, const Lens& lens,
                double height_mm) {
   double sum = 0;
-  std::vector<PointPx> straight;
+  std::vector<PlacePx> straight;
   for (const PointMm& p : sight.board_mm) {
     const auto at = devices::twin::targetPoint(
         target, 0.5 + p.x / target.width_mm,
@@ -29,7 +29,7 @@ double errorPx(const BoardSight& sight, const devices::TargetSpec& target, const
     straight.push_back({at.x / (height_mm - at.z) * lens.fx + lens.cx,
                         -at.y / (height_mm - at.z) * lens.fy + lens.cy});
   }
-  const std::vector<PointPx> expected = distorted(lens, straight);
+  const std::vector<PlacePx> expected = distorted(lens, straight);
   for (std::size_t i = 0; i < expected.size(); ++i)
     sum += std::pow(expected[i].x - sight.seen_px[i].x, 2) +
            std::pow(expected[i].y - sight.seen_px[i].y, 2);

@@ -82,7 +82,7 @@ inline calibration::Lens trueLens(SizePx size, const twin::CameraPose& pose) {
 // Farthest that two lenses put the same pixel when they straighten a picture, each by its own focal
 // length and middle: what is left of a straight line's bend.
 inline double straightenedApart(const calibration::Lens& found, const calibration::Lens& truth) {
-  std::vector<calibration::PointPx> seen;
+  std::vector<calibration::PlacePx> seen;
   for (int y = 0; y < truth.size.height; y += 8)
     for (int x = 0; x < truth.size.width; x += 8)
       seen.push_back({static_cast<double>(x), static_cast<double>(y)});

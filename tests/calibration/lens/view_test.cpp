@@ -54,7 +54,7 @@ TEST(View, GoesFromThePlaneToThePictureAndBack) {
 
 TEST(View, KnowsNothingOfPlacesFarOutsideThePicture) {
   const std::vector<PointMm> places{{0, 0, 0}, {5000, 0, 0}, {0, -4000, 0}};
-  const std::vector<PointPx> seen = project(kLens, slanted(), places);
+  const std::vector<PlacePx> seen = project(kLens, slanted(), places);
   EXPECT_FALSE(std::isnan(seen[0].x));
   EXPECT_TRUE(std::isnan(seen[1].x)) << "there the polynomial folds back into the picture";
   EXPECT_TRUE(std::isnan(seen[2].x)) << "behind the camera";
