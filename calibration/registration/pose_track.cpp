@@ -10,8 +10,11 @@
 namespace patina::calibration {
 namespace {
 
-// A specimen that looks like nothing seen before for so long has changed; it is not hidden.
+// A specimen that looks unlike what was seen before for so many frames has changed; it is not
+// hidden.
 constexpr int kChangedAfter = 3;
+// Likeness from which a jump of the specimen is believed.
+constexpr double kSureZncc = 0.75;
 // A jump must stand out of what the answer may be wrong by.
 constexpr double kSigmas = 6;
 
@@ -102,18 +105,24 @@ void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Prog
   if (specimen.verdict > camera.verdict) pose.covered_px = specimen.agreement.covered_px;
   pose.frame_from_reference = product(camera.frame_from_reference, kept_);
   if (!isTrusted(camera.verdict)) return;
-  if (specimen.verdict == Verdict::kLost && ++lost_in_a_row_ > kChangedAfter) {
+  if (specimen.verdict >= Verdict::kCovered && ++lost_in_a_row_ > kChangedAfter) {
     specimen_->renew(frame, product(camera.frame_from_reference, own_));
     pose.verdict = camera.verdict;
     lost_in_a_row_ = 0;
   }
-  if (specimen.verdict != Verdict::kLost) lost_in_a_row_ = 0;
+  if (specimen.verdict < Verdict::kCovered) lost_in_a_row_ = 0;
   if (!isTrusted(specimen.verdict)) return;
   noteJump(camera.frame_from_reference, EpochCause::kCamera, pose, frame.size());
   camera_ = camera.frame_from_reference;
   FramePose by_specimen = pose;
   by_specimen.uncertainty_px = std::max(pose.uncertainty_px, specimen.agreement.uncertainty_px);
   const Motion own = product(inverse(camera_), specimen.frame_from_reference);
+  const bool jumps = cornersApart(own, own_, frame.size()) > options_.bump_px;
+  if (jumps && specimen.agreement.zncc < kSureZncc) {  // it has changed; that it moved is a guess
+    specimen_->renew(frame, product(camera_, own_));
+    pose.frame_from_reference = product(camera_, kept_);
+    return;
+  }
   noteJump(own, EpochCause::kSpecimen, by_specimen, frame.size());
   own_ = own;
   pose.frame_from_reference = product(camera_, kept_);
