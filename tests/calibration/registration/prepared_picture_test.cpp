@@ -52,7 +52,8 @@ TEST(PreparedPicture, KnowsNothingOfWhatLiesBeyondItsMask) {
 TEST(PreparedPicture, TakesWhatIsNoNumberForDark) {
   Image<float> picture = scene();
   picture.at(5, 5, 1) = std::nanf("");
-  for (const float value : preparePicture(picture.view()).levels[0].local.texels())
+  const PreparedPicture prepared = preparePicture(picture.view());
+  for (const float value : prepared.levels[0].local.texels())
     ASSERT_TRUE(std::isfinite(value));
 }
 
