@@ -53,8 +53,7 @@ TEST(PreparedPicture, TakesWhatIsNoNumberForDark) {
   Image<float> picture = scene();
   picture.at(5, 5, 1) = std::nanf("");
   const PreparedPicture prepared = preparePicture(picture.view());
-  for (const float value : prepared.levels[0].local.texels())
-    ASSERT_TRUE(std::isfinite(value));
+  for (const float value : prepared.levels[0].local.texels()) ASSERT_TRUE(std::isfinite(value));
 }
 
 TEST(PreparedPicture, RefusesWhatCannotBeRegistered) {
