@@ -10,9 +10,10 @@
 namespace patina::calibration {
 namespace {
 
-constexpr double kTrimShare = 0.10;     // from either end: the middle 80 % is kept
-constexpr double kSaturatedAt = 0.998;  // of full scale: 254.5 of 255 in sRGB code values
-constexpr double kLeastWeight = 0.25;   // of an innovation: bounds the lag behind a drift
+constexpr double kTrimShare = 0.10;       // from either end: the middle 80 % is kept
+constexpr double kSaturatedAt = 0.998;    // of full scale: 254.5 of 255 in sRGB code values
+constexpr double kBandingOverNoise = 20;  // times the mean power of the other periods
+constexpr double kLeastWeight = 0.25;     // of an innovation: bounds the lag behind a drift
 
 struct Trimmed {
   double mean = 0, deviation = 0;
@@ -61,6 +62,52 @@ void put(PatchLevel& out, std::size_t channel, std::vector<float>& values) {
   if (!(t.mean > 0)) return;
   out.spread[channel] = t.deviation / t.mean;
   out.noise[channel] = texel_noise / std::sqrt(static_cast<double>(values.size())) / t.mean;
+}
+
+// The strongest sine along the means of rows, a line taken off, where it is not noise.
+void putBanding(PatchLevel& out, const std::vector<double>& rows) {
+  const std::size_t n = rows.size();
+  if (n < 8) return;
+  double mean = 0, slope = 0, squares = 0;
+  const double middle = static_cast<double>(n - 1) / 2;
+  for (const double row : rows) mean += row / static_cast<double>(n);
+  if (!(mean > 0)) return;
+  for (std::size_t y = 0; y < n; ++y) {
+    const double t = static_cast<double>(y) - middle;
+    slope += t * rows[y];
+    squares += t * t;
+  }
+  slope /= squares;
+  double power = 0, strongest = 0, cycles = 0;
+  for (std::size_t k = 2; k <= n / 2; ++k) {
+    double re = 0, im = 0;
+    for (std::size_t y = 0; y < n; ++y) {
+      const double t = static_cast<double>(y),
+                   rest = rows[y] / mean - 1 - slope * (t - middle) / mean;
+      re += rest * std::cos(2 * M_PI * static_cast<double>(k) * t / static_cast<double>(n));
+      im += rest * std::sin(2 * M_PI * static_cast<double>(k) * t / static_cast<double>(n));
+    }
+    const double p = re * re + im * im;
+    power += p;
+    if (p > strongest) {
+      strongest = p;
+      cycles = static_cast<double>(k);
+    }
+  }
+  // Of noise, every power is exponential about the same mean.
+  const double others = (power - strongest) / (static_cast<double>(n / 2) - 2);
+  if (!(strongest > kBandingOverNoise * others)) return;
+  out.banding = 2 * std::sqrt(strongest) / static_cast<double>(n);
+  out.banding_rows = static_cast<double>(n) / cycles;
+}
+
+std::vector<double> rowMeans(ImageView<const float> patch, int channel) {
+  std::vector<double> rows(static_cast<std::size_t>(patch.height));
+  for (int y = 0; y < patch.height; ++y)
+    for (int x = 0; x < patch.width; ++x)
+      rows[static_cast<std::size_t>(y)] +=
+          patch.at(x, y, channel) / static_cast<double>(patch.width);
+  return rows;
 }
 
 void checkRect(RectPx r, SizePx size) {
@@ -170,6 +217,7 @@ PatchLevel measurePatch(ImageView<const float> linear, RectPx rect) {
   }
   out.saturated_fraction = static_cast<double>(saturated) /
                            (static_cast<double>(rect.width) * rect.height * out.channels);
+  putBanding(out, rowMeans(patch, out.channels == 3 ? 1 : 0));
   return out;
 }
 
@@ -185,16 +233,21 @@ PatchLevel measurePatch(ImageView<const std::uint16_t> mosaic,
   std::array<std::vector<float>, 3> values;
   for (auto& v : values) v.reserve(static_cast<std::size_t>(rect.width) * rect.height / 2 + 2);
   std::int64_t saturated = 0;
+  std::vector<double> pairs(static_cast<std::size_t>(rect.height / 2));  // whole cells: all colours
   for (int y = rect.y; y < rect.y + rect.height; ++y) {
     const std::uint16_t* row = mosaic.row(y);
+    const auto pair = static_cast<std::size_t>((y - rect.y) / 2);
     for (int x = rect.x; x < rect.x + rect.width; ++x) {
       const double v = (row[x] - black_level) / range;
       if (v >= kSaturatedAt) ++saturated;
+      if (pair < pairs.size()) pairs[pair] += v;
       const unsigned cell = (static_cast<unsigned>(y) & 1u) * 2u + (static_cast<unsigned>(x) & 1u);
       values[std::min<std::size_t>(cfa[cell], 2)].push_back(static_cast<float>(v));
     }
   }
   for (std::size_t c = 0; c < 3; ++c) put(out, c, values[c]);
+  putBanding(out, pairs);
+  out.banding_rows *= 2;
   out.saturated_fraction =
       static_cast<double>(saturated) / (static_cast<double>(rect.width) * rect.height);
   return out;

@@ -21,6 +21,9 @@ struct PatchLevel {
   std::array<double, 3> spread{};
   std::array<double, 3> noise{};
   double saturated_fraction = 0;
+  // Bands along the rows of the patch, as a rolling shutter makes of light that ripples: amplitude
+  // over the level, and period, of the strongest that is not noise; green, or the only channel.
+  double banding = 0, banding_rows = 0;
 };
 // Throw CalibrationError when the patch does not lie inside the picture. O(patch).
 PatchLevel measurePatch(ImageView<const float> linear, RectPx rect);

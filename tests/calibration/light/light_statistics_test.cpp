@@ -44,6 +44,36 @@ TEST(MeasurePatch, DoesNotTakeAGradientOfTheLightForNoise) {
   EXPECT_GT(p.spread[0], 0.02);
 }
 
+TEST(MeasurePatch, FindsBandsOfARollingShutterAndNoneInNoise) {
+  Image<float> image = flat(64, 64, 0.4f, 0.01, 7);
+  EXPECT_EQ(measurePatch(image.view(), {0, 0, 64, 64}).banding, 0);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) *= 1 + 0.01f * static_cast<float>(std::sin(2 * M_PI * y / 16.0));
+  const PatchLevel p = measurePatch(image.view(), {0, 0, 64, 64});
+  EXPECT_NEAR(p.banding, 0.01, 0.001);
+  EXPECT_NEAR(p.banding_rows, 16, 1e-9);
+}
+
+TEST(MeasurePatch, FindsBandsInAMosaicAndTakesNoGradientForOne) {
+  Image<std::uint16_t> mosaic(64, 64, 1);
+  const auto fill = [&](double banding, double gradient) {
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const double noise =
+            1 + 0.01 * gaussian(hashSeed(3, static_cast<std::uint64_t>(64 * y + x)));
+        const double level = 1 + banding * std::sin(2 * M_PI * y / 16.0) + gradient * y / 64;
+        mosaic.at(x, y) = static_cast<std::uint16_t>(64 + 1000 * noise * level);
+      }
+    return measurePatch(mosaic.view(), {0, 1, 1, 2}, 64, 4064, {0, 0, 64, 64});
+  };
+  EXPECT_EQ(fill(0, 0.2).banding, 0);
+  const PatchLevel p = fill(0.02, 0.2);
+  EXPECT_NEAR(p.banding, 0.02, 0.004);
+  EXPECT_NEAR(p.banding_rows, 16, 1e-9);
+}
+
 TEST(MeasurePatch, ReadsTheMosaicAsTheColoursItHolds) {
   Image<std::uint16_t> mosaic(16, 16, 1);
   for (int y = 0; y < 16; ++y)
