@@ -24,6 +24,7 @@ struct Decoded {
   double saturated_fraction = 0;
   bool all_equal = false;
   std::optional<calibration::PatchLevel> patch;
+  std::optional<calibration::TileLevels> tiles;
 };
 
 int bitsBelow(double white_level) {
@@ -48,9 +49,10 @@ Decoded decodeMosaic(std::span<const std::byte> file, std::optional<RectPx> patc
                                   [&](std::uint16_t v) { return v >= raw.white_level; });
   d.saturated_fraction = static_cast<double>(full) / static_cast<double>(samples.size());
   d.all_equal = allEqual(samples);
-  if (patch)
-    d.patch = calibration::measurePatch(raw.samples.view(), raw.cfa, raw.black_level,
-                                        raw.white_level, *patch);
+  if (!patch) return d;
+  d.patch = calibration::measurePatch(raw.samples.view(), raw.cfa, raw.black_level, raw.white_level,
+                                      *patch);
+  d.tiles = calibration::measureTiles(raw.samples.view(), raw.black_level, raw.white_level, *patch);
   return d;
 }
 
@@ -61,7 +63,9 @@ Decoded decodeDeveloped(std::span<const std::byte> file, std::optional<RectPx> p
   d.bits = picture.bits;
   d.saturated_fraction = picture.saturated_fraction;
   d.all_equal = allEqual(picture.linear.texels());
-  if (patch) d.patch = calibration::measurePatch(picture.linear.view(), *patch);
+  if (!patch) return d;
+  d.patch = calibration::measurePatch(picture.linear.view(), *patch);
+  d.tiles = calibration::measureTiles(picture.linear.view(), *patch);
   return d;
 }
 
@@ -163,6 +167,7 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
   out.frames.push_back(checked);
   if (!first) return;
   out.patch = d.patch;
+  out.tiles = std::move(d.tiles);
   out.saturated_fraction = d.saturated_fraction;
   out.all_equal = d.all_equal;
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/light/content.h"
 #include "calibration/light/light_statistics.h"
 #include "devices/camera.h"
 #include "processing/image/sha256.h"
@@ -46,6 +47,7 @@ struct ShotCheck {
   std::vector<SeenFile> came;        // the shot's files, also those of a shot that is refused
   std::vector<std::string> remarks;  // "duplicate file dropped", "late picture of shot 41"
   std::optional<calibration::PatchLevel> patch;  // of the first file
+  std::optional<calibration::TileLevels> tiles;  // likewise, where there is a patch
   double saturated_fraction = 0;                 // of the first file
   bool all_equal = false;  // black or flat: a verdict of the light, never a refusal
 };

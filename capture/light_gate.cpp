@@ -26,15 +26,6 @@ void setVerdict(GateVerdict& out, std::size_t first_row, std::size_t rows, Light
     out.rows[i].verdict = calibration::name(v);
 }
 
-// The first reason is the one to tell, but what blocks comes before what does not.
-void blame(GateVerdict& out, LightVerdict verdict, bool blocks, const std::string& reason) {
-  if (out.reason.empty() || (blocks && !out.blocks)) {
-    out.reason = reason;
-    out.worst = verdict;
-  }
-  out.blocks = out.blocks || blocks;
-}
-
 // A shot that is not taken has no channel that passed: a restart would learn from it.
 void holdAll(GateVerdict& out) {
   for (db::LightCheckRow& r : out.rows)
@@ -43,6 +34,14 @@ void holdAll(GateVerdict& out) {
 }
 
 }  // namespace
+
+void blame(GateVerdict& out, LightVerdict verdict, bool blocks, const std::string& reason) {
+  if (out.reason.empty() || (blocks && !out.blocks)) {
+    out.reason = reason;
+    out.worst = verdict;
+  }
+  out.blocks = out.blocks || blocks;
+}
 
 LightGate::LightGate(const LightCheck& check, const std::vector<devices::SensorSpec>& sensors,
                      std::string run_id)
@@ -63,7 +62,11 @@ void LightGate::restore(std::span<const db::LightCheckRow> rows) {
   for (const db::LightCheckRow& r : rows) {
     const LightVerdict verdict = parseVerdict(r.verdict);
     if (r.source.starts_with("sensor:") && r.channel != "lx") continue;
+    if (r.source.starts_with("content:")) continue;
     Watched& w = series_[{r.light_state, r.source, r.channel, r.exposure_index}];
+    if (verdict == LightVerdict::kLearn || verdict == LightVerdict::kPass ||
+        verdict == LightVerdict::kCorrect)
+      calibration::chartLevel(w.chart, r.level, 0, r.utc, charts_);
     if (verdict == LightVerdict::kLearn && r.baseline == 0) {
       calibration::judgeLevel(w.series, r.level, r.utc, options_);
     } else if ((verdict == LightVerdict::kPass || verdict == LightVerdict::kCorrect) &&
@@ -131,6 +134,10 @@ LightGate::Judged LightGate::judgeChannel(const LightSample& sample, const std::
     j.noise = noise;
     r.baseline = j.after.series.baseline;
     judgeSeries(j, level, sample.utc);
+    if (!isBad(j.judgement.verdict)) {
+      j.chart = calibration::chartLevel(j.after.chart, level, noise, sample.utc, charts_);
+      j.after.soiled = 0;
+    }
     r.ratio = r.baseline > 0 ? j.judgement.ratio : 0;
     r.gain = j.judgement.gain;
     if (j.judgement.step_while_learning != 0 && out.changed.empty())
@@ -186,6 +193,7 @@ LightGate::Witness LightGate::judgePatch(const LightSample& sample, const PatchS
           "light " + sample.light_state + ": " + w.source + " is partly covered (spread " +
               percent(spread).substr(1) + ")");
   }
+  chartColour(w, patch, sample, out);
   return w;
 }
 
@@ -300,6 +308,8 @@ GateVerdict LightGate::judge(const LightSample& sample) {
   for (const SensorSample& s : sample.sensors)
     if (s.quantity == devices::Quantity::kIlluminance)
       witnesses.push_back(judgeLux(sample, s, out));
+  std::vector<Content> contents = judgeContents(sample);
+  askContent(contents, witnesses, sample, out);
   if (check_.mode == LightMode::kControlled) compare(witnesses, sample, out);
 
   for (const Witness& w : witnesses)
@@ -308,7 +318,8 @@ GateVerdict LightGate::judge(const LightSample& sample) {
       if (w.bad && isBad(parseVerdict(r.verdict)))
         blame(out, parseVerdict(r.verdict), true,
               "light " + sample.light_state + ": " + w.source + " " + r.channel + " " +
-                  (w.channels[c].known ? percent(w.channels[c].deviation) : std::string("dark")));
+                  (w.channels[c].known ? percent(w.channels[c].deviation) : std::string("dark")) +
+                  w.remark);
       out.blocks = out.blocks || w.bad;
     }
   doubt(witnesses, out);
@@ -317,6 +328,7 @@ GateVerdict LightGate::judge(const LightSample& sample) {
   if (const std::string apart = driftedApart(out.rows, kApartBands * check_.band);
       !out.blocks && !apart.empty())
     blame(out, LightVerdict::kAtOdds, false, "light " + sample.light_state + ": " + apart);
+  tellCauses(witnesses, sample, out);
   if (out.blocks) {
     holdAll(out);
     out.changed.clear();  // nothing was learned; the next try says it
@@ -327,7 +339,10 @@ GateVerdict LightGate::judge(const LightSample& sample) {
     out.summary = sample.light_state + " " + summaryOf(witnesses[0].channels[shown], r, out);
     if (out.reason.empty()) out.worst = parseVerdict(r.verdict);
   }
-  if (!out.blocks) takeIn(witnesses, out);
+  if (out.blocks) return out;
+  takeIn(witnesses, out);
+  for (const Content& c : contents)
+    calibration::takeIn(*c.series, c.sample->tiles, c.patch, sample.utc, content_options_);
   return out;
 }
 

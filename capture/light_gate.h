@@ -13,6 +13,15 @@
 // fault that ended there would hold it for ever. When the light then goes back to what was learned
 // first, before the new baseline is firm, the first one holds again. All come out as `changed`.
 //
+// Below the band, charts (calibration/light/charts.h) tell a cause from common drift: a step is
+// told of and followed by the gain. The picture's own tiles (content.h) vote with patch and sensor:
+//   patch alone moved                 soiled: `covered`, shot, its gain stays as it was
+//   part of the picture, patch not    a shadow or a visitor: shot, the frame is marked `at_odds`
+//   all of them                       the lamp: corrected within the band, held beyond it
+//   lux sensor alone                  stuck: marked `at_odds`
+//   shading of another light state    the wrong lamp is lit: held
+// Tiles are not kept: after a restart content votes again once it has learned six shots.
+//
 // A patch whose camera was away may be judged by what the lux sensor has followed since.
 #pragma once
 
@@ -23,42 +32,15 @@
 #include <string>
 #include <vector>
 
+#include "calibration/light/charts.h"
+#include "calibration/light/content.h"
 #include "calibration/light/light_statistics.h"
+#include "capture/light_evidence.h"
 #include "capture/plan.h"
 #include "db/rows.h"
 #include "devices/rig.h"
 
 namespace patina::capture {
-
-// A reference patch in the picture of one camera's shot.
-struct PatchSample {
-  std::string camera;
-  calibration::PatchLevel level;
-  std::optional<db::RowId> shot_id;
-};
-struct SensorSample {
-  std::string id;
-  devices::Quantity quantity = devices::Quantity::kIlluminance;
-  devices::Reading reading;
-};
-// One exposure under one light state.
-struct LightSample {
-  db::RowId step_id = 0;
-  std::string light_state;
-  int exposure_index = 0;
-  std::vector<PatchSample> patches;
-  std::vector<SensorSample> sensors;
-  UtcTime utc;
-};
-
-struct GateVerdict {
-  bool blocks = false;  // the shot is not taken; wait and try again
-  calibration::LightVerdict worst = calibration::LightVerdict::kPass;
-  std::string reason;   // "light key: patch:cam0 g -5.1 %"; empty when nothing is wrong
-  std::string changed;  // the light, while its baseline was learned: "light key: ..."; else empty
-  std::string summary;  // "key 0.998 pass", "key learning 2 of 3"
-  std::vector<db::LightCheckRow> rows;
-};
 
 class LightGate {
  public:
@@ -85,11 +67,16 @@ class LightGate {
     std::vector<double> refused;  // in a row, against a provisional baseline
     std::optional<calibration::LightSeries> former;  // that a provisional one was learned over
     double unseen = 1;  // what the lux sensor's forecast was multiplied by since this looked last
+    calibration::ControlChart chart;
+    std::array<calibration::ControlChart, 2> colour;  // u', v'; of a patch's first channel
+    double banding = 0;                               // of the patch, while all was well
+    double soiled = 0;                                // deviation it is covered by; 0: clean
   };
   struct Judged {  // one channel, before it is known whether the shot blocks
     Watched* watched = nullptr;
     Watched after;
     calibration::LightJudgement judgement;
+    calibration::ChartJudgement chart;
     double deviation = 0;  // of the level from the forecast
     double noise = 0;      // of the level, relative
     bool known = false;    // there was a baseline to deviate from
@@ -104,6 +91,13 @@ class LightGate {
     std::size_t first_row = 0;
     double deviation = 0;  // of the worst channel
     bool known = false, bad = false, covered = false;
+    std::string remark;  // what the picture says to it
+  };
+  struct Content {  // of one camera's picture
+    const ContentSample* sample = nullptr;
+    calibration::ContentSeries* series = nullptr;
+    calibration::ContentJudgement judgement;
+    double patch = 0;  // deviation of the patch in it
   };
 
   Witness judgePatch(const LightSample& sample, const PatchSample& patch, GateVerdict& out);
@@ -112,6 +106,17 @@ class LightGate {
   Judged judgeChannel(const LightSample& sample, const std::string& source,
                       const std::string& channel, double level, double noise, GateVerdict& out);
   void judgeSeries(Judged& judged, double level, UtcTime utc) const;
+  void chartColour(Witness& witness, const PatchSample& patch, const LightSample& sample,
+                   GateVerdict& out) const;
+  void tellCauses(const std::vector<Witness>& witnesses, const LightSample& sample,
+                  GateVerdict& out) const;
+  std::vector<Content> judgeContents(const LightSample& sample);
+  void askContent(std::vector<Content>& contents, std::vector<Witness>& witnesses,
+                  const LightSample& sample, GateVerdict& out) const;
+  static bool isSoiled(const Witness& patch, const Content& content, const Witness* lux);
+  void cover(Witness& patch, const LightSample& sample, GateVerdict& out) const;
+  void judgePicture(const Content& content, const Witness& patch, const LightSample& sample,
+                    GateVerdict& out) const;
   void compare(std::vector<Witness>& witnesses, const LightSample& sample, GateVerdict& out) const;
   bool contradicts(const Witness& witness, const GateVerdict& out) const;
   void doubt(std::vector<Witness>& witnesses, const GateVerdict& out) const;
@@ -131,7 +136,10 @@ class LightGate {
   calibration::LightModelOptions options_;
   std::map<std::string, std::array<double, 2>> bands_;  // by sensor
   std::string run_id_;
+  calibration::ChartOptions charts_;
+  calibration::ContentOptions content_options_;
   std::map<Key, Watched> series_;
+  std::map<Key, calibration::ContentSeries> contents_;
 };
 
 }  // namespace patina::capture

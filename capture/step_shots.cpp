@@ -202,9 +202,11 @@ GateVerdict StepRunner::judge(const Group& group, const std::vector<Attempt>& at
   sample.light_state = group.state;
   sample.exposure_index = group.exposure_index;
   sample.utc = clock_.utc();
-  for (const Attempt& a : attempts)
-    if (a.good && a.check().patch)
-      sample.patches.push_back({a.unit->id(), *a.check().patch, a.shot.id});
+  for (const Attempt& a : attempts) {
+    if (!a.good) continue;
+    if (a.check().patch) sample.patches.push_back({a.unit->id(), *a.check().patch, a.shot.id});
+    if (a.check().tiles) sample.contents.push_back({a.unit->id(), *a.check().tiles, a.shot.id});
+  }
   sample.sensors = sensors_.lux();
   GateVerdict verdict = gate_.judge(sample);
   if (const std::string like = verdict.blocks ? gate_.lightLike(verdict.rows) : ""; !like.empty())

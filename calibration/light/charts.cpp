@@ -10,8 +10,9 @@
 namespace patina::calibration {
 namespace {
 
-constexpr double kMostScore = 5;  // of one shot, for the dispersion: a step is no flicker
-constexpr double kMostKnown = 9;  // squared scores that a shot may add to what is known
+constexpr double kMostScore = 5;   // of one shot, for the dispersion: a step is no flicker
+constexpr double kMostKnown = 9;   // squared scores that a shot may add to what is known
+constexpr double kPriorShots = 5;  // that the noise known beforehand counts for
 constexpr double kLeastLevel = 1e-6;
 
 void require(bool ok, const char* field, const char* range) {
@@ -59,7 +60,7 @@ bool flickerBegins(ControlChart& chart, double score, const ChartOptions& o) {
   const bool was = chart.flickers;
   chart.flickers = ratio > (was ? o.dispersion_limit / 2 : o.dispersion_limit);
   // Learned fast at first; what begins later is flicker, and enters slowly.
-  const double weight = std::max(o.known_weight, 1.0 / (chart.seen + 1));
+  const double weight = std::max(o.known_weight, 1.0 / (chart.seen + kPriorShots));
   const double most = chart.seen < o.silent_samples ? square : kMostKnown * known;
   chart.known_dispersion = std::max(1.0, known + weight * (std::min(square, most) - known));
   return chart.flickers && !was;
@@ -105,11 +106,16 @@ ChartJudgement judgeChart(ControlChart& chart, double value, double sigma, doubl
       sigma * std::sqrt(forecastVariance(chart.samples, o) * chart.known_dispersion);
   const double k = std::max(zone / noise, o.least_k);
   j.score = j.innovation / noise;
+  const bool silent = ++chart.seen < o.silent_samples;
+  if (silent && std::abs(j.score) > kMostScore) {
+    // A cold lamp's first shots are neither a line nor its noise.
+    begin(chart, value);
+    return j;
+  }
   sum(chart.up, chart.up_since, j.score - k);
   sum(chart.down, chart.down_since, -j.score - k);
-  const bool flicker = flickerBegins(chart, j.score, o);
-  const bool silent = ++chart.seen < o.silent_samples;
   if (silent) chart.up = chart.down = 0;
+  const bool flicker = flickerBegins(chart, j.score, o);
   if (!silent && std::max(chart.up, chart.down) > o.cusum_limit) {
     const bool rose = chart.up > chart.down;
     const double size = k + (rose ? chart.up / chart.up_since : chart.down / chart.down_since);

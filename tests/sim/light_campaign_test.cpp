@@ -62,6 +62,38 @@ TEST_P(LightCampaign, CatchesAStepOfFivePercentOnTheFirstShotItTouches) {
   EXPECT_GE(found, trials() * 99 / 100);
 }
 
+// By real pictures: that the series without any (light_trials.h) are honest.
+TEST_P(LightCampaign, TellsAStepOfOnePercentWithinTenShots) {
+  const int runs = trials() >= 1000 ? 48 : 4;
+  int told = 0, told_before = 0;
+  for (int trial = 0; trial < runs; ++trial) {
+    const std::uint64_t seed = hashSeed(20240502, static_cast<std::uint64_t>(trial));
+    const auto quiet = static_cast<int>(14 + uniformBelow(hashSeed(seed, 1), 10));
+    const Nanoseconds at = quiet * GetParam().ns - GetParam().ns / 2;
+    Simulation sim({.interval = GetParam().interval,
+                    .duration = formatDuration((quiet + 10) * GetParam().ns),
+                    .between = "on",
+                    .format = trial % 2 ? "jpeg" : "dng",
+                    .size = "256x256",
+                    .faults = "[[fault]]\nat = \"" + formatDuration(at) +
+                              "\"\ndevice = \"key\"\nkind = \"lamp_step\"\namount = " +
+                              (trial % 4 < 2 ? "0.01" : "-0.01") + "\n",
+                    .seed = seed >> 2});
+    sim.run();
+    bool after = false;
+    for (const auto& event : sim.events("light")) {
+      const bool stepped = event.detail.find("stepped by") != std::string::npos;
+      after = after || (stepped && event.utc - sim.t0 >= at);
+      told_before += event.utc - sim.t0 < at ? 1 : 0;
+    }
+    told += after ? 1 : 0;
+  }
+  std::printf("%s: %d of %d steps of 1 %% told within ten shots, %d false\n", GetParam().name, told,
+              runs, told_before);
+  EXPECT_GE(told, runs * 95 / 100);
+  EXPECT_EQ(told_before, 0);
+}
+
 TEST_P(LightCampaign, UndoesADriftOfOnePercentADay) {
   const bool fast = GetParam().ns < 1min;
   Simulation sim({.interval = GetParam().interval,

@@ -73,6 +73,19 @@ TEST(ControlChart, FollowsALampThatWarmsUpWithinItsTimeConstantOfFiveMinutes) {
   }
 }
 
+TEST(ControlChart, IsNotDeafenedByALampThatIsColdAtItsFirstShot) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Lamp lamp;
+    lamp.seed = seed;
+    lamp.interval = 10min;
+    for (int i = 0; i < 20; ++i)
+      EXPECT_EQ(lamp.shoot(0.3 * (1 - 0.03 * std::exp(-i * 2.0))).signal, ChartSignal::kNone) << i;
+    bool told = false;
+    for (int i = 0; i < 5; ++i) told = told || lamp.shoot(0.303).signal == ChartSignal::kStep;
+    EXPECT_TRUE(told) << "seed " << seed;
+  }
+}
+
 TEST(ControlChart, FollowsADriftOfTwoPercentADayWithoutAWord) {
   for (const Nanoseconds interval : {Nanoseconds(5s), Nanoseconds(10min)}) {
     Lamp lamp;
