@@ -11,6 +11,7 @@
 #include "calibration/sensor/masters.h"
 #include "capture/workflow/calibration_record.h"
 #include "capture/workflow/failure.h"
+#include "capture/workflow/light_gain.h"
 
 namespace patina::workflow {
 namespace {
@@ -44,7 +45,9 @@ std::array<float, 3> gainOf(const std::vector<db::LightCheckRow>& checks,
   std::array<float, 3> gain{1, 1, 1};
   int best[3] = {0, 0, 0};
   for (const db::LightCheckRow& check : checks) {
-    if (check.verdict != "correct" && check.verdict != "pass") continue;
+    // Of a patch that was covered it is the gain before that.
+    if (check.verdict != "correct" && check.verdict != "pass" && check.verdict != "covered")
+      continue;
     if (!(check.gain > 0) || !std::isfinite(check.gain)) continue;
     const bool patch = check.source == "patch:" + camera;
     if (!patch && check.source.starts_with("patch:")) continue;
@@ -85,6 +88,9 @@ ArchiveFrames::ArchiveFrames(const db::ArchiveReader& reader, const std::string&
   t0_ = reader.findRun(run_id).t0_utc;
   choose(reader, selection);
   if (correction.masters) bindMasters();
+  if (correction.light_gain)
+    measured_gains_ = lightGainsOf(reader, run_id, report_.camera, report_.light);
+  report_.gain_measured = !measured_gains_.empty();
   const std::int64_t frame_bytes =
       std::int64_t{report_.largest.width} * report_.largest.height * 3 * 4 * 2;
   batch_frames_ = static_cast<std::size_t>(
@@ -173,7 +179,10 @@ void ArchiveFrames::fill() {
     const Chosen& chosen = chosen_[next_ + i];
     files[i] = reader_.read(chosen.frame);
     if (!correction_.light_gain) continue;
-    gains[i] = gainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
+    const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
+    gains[i] = measured != measured_gains_.end()
+                   ? measured->second
+                   : gainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
     for (const float gain : gains[i]) {
       report_.gain_min = std::min(report_.gain_min, static_cast<double>(gain));
       report_.gain_max = std::max(report_.gain_max, static_cast<double>(gain));

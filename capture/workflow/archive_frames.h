@@ -25,7 +25,7 @@ struct FrameSelection {
   int every = 1;         // frame 0, every, 2*every ... of those there are
 };
 struct Correction {
-  bool light_gain = true;  // per light and channel, of the light checks
+  bool light_gain = true;  // per light and channel, as measured since, else of the light checks
   bool masters = true;     // dark (else bias) and flat, by key
   bool stale = false;      // also masters out of tolerance, flagged; otherwise left out, with why
 };
@@ -44,6 +44,7 @@ struct FramesReport {
   std::vector<std::string> input_sha256s;  // frames, then masters
   bool display_referred = false;           // JPEG, PNG and the like: exposed for the eye already
   double gain_min = 1, gain_max = 1;       // over the frames given so far
+  bool gain_measured = false;              // by `patina light measure`, not while it was captured
 };
 
 // Decodes a few frames at a time in parallel and gives them in order: memory is bounded by about
@@ -75,6 +76,7 @@ class ArchiveFrames final : public ttf::FrameSource {
   FramesReport report_;
   std::vector<Chosen> chosen_;
   std::unique_ptr<MasterSet> masters_;
+  std::map<std::string, std::array<float, 3>> measured_gains_;  // by frame, light_gain.h
   std::vector<db::FrameCalibrationRow> bindings_;
   std::size_t next_ = 0, batch_at_ = 0, batch_frames_ = 1;
   std::vector<ttf::SourceFrame> batch_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/workflow/light_charts.h"
 #include "db/archive.h"
 
 namespace patina::workflow {
@@ -22,12 +23,15 @@ struct LightSeriesReport {
   // Of every check with a baseline, for a chart.
   std::vector<double> time_s, ratio;
   std::vector<std::string> verdict;
+  TakenLevels taken;
+  SeriesCharts charts;
 };
 struct BadSpell {
   std::string light, verdict;  // the commonest verdict in it
   UtcTime from, to;            // first and last check that was not good
   std::int64_t checks = 0;
   double ratio_worst = 1;  // furthest from 1
+  bool content = false;    // the picture itself spoke, not only patch and sensor
 };
 struct LightReport {
   std::string run_id;
@@ -37,10 +41,18 @@ struct LightReport {
   std::map<std::string, std::int64_t> verdicts;
   std::int64_t checks = 0, steps_held = 0;
   Nanoseconds held{};  // time waited for light, all steps
+  std::vector<ColourChart> colours;
+  std::map<std::string, LampUse> lamps;
+  double sweep_spread = 0;          // largest, of level / baseline under one light state in a step
+  Nanoseconds sweep_spread_time{};  // longest time from the first to the last shot of a step
+  bool trusted = false;
+  std::string verdict;  // "The light of this run can be trusted, except ..."
   std::vector<std::string> sentences;
 };
 
 bool isGoodVerdict(const std::string& verdict);  // learn, pass, correct, measure
-LightReport reportLight(const db::ArchiveReader& reader, const std::string& run_id);
+// `stay_on`: the lamps that burn between shots, for their hours.
+LightReport reportLight(const db::ArchiveReader& reader, const std::string& run_id,
+                        const std::vector<std::string>& stay_on = {});
 
 }  // namespace patina::workflow

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// patina light report RUN: what the light of a run did.
+// patina light report | measure RUN: what the light of a run did, and what it was where nobody
+// watched.
 #include "capture/workflow/light_report.h"
 
 #include "capture/app/context.h"
+#include "capture/app/verbs/frame_options.h"
 #include "capture/app/verbs/verbs.h"
+#include "capture/workflow/light_gain.h"
 #include "capture/workflow/pictures.h"
+#include "devices/config_file.h"
+#include "devices/rig.h"
 #include "processing/image/picture_file.h"
 
 namespace patina::app {
@@ -14,13 +19,25 @@ struct Options {
   std::string run = "latest", out;
 };
 
+std::vector<std::string> lampsThatStayOn(const db::RunRow& run) {
+  std::vector<std::string> lamps;
+  if (run.rig_toml.empty()) return lamps;
+  for (const devices::LightSpec& light :
+       devices::parseRig(run.rig_toml, run.id + ": its rig").lights)
+    if (light.between != devices::Between::kOff) lamps.push_back(light.id);
+  return lamps;
+}
+
 void report(Context& context, const Options& options) {
   const db::ArchiveReader reader(context.archive());
-  const workflow::LightReport report =
-      workflow::reportLight(reader, reader.findRun(options.run).id);
-  if (!options.out.empty()) {
-    const Image<std::uint8_t> chart = workflow::drawLight(report);
-    writePng(options.out, chart.view());
+  const db::RunRow run = reader.findRun(options.run);
+  const workflow::LightReport report = workflow::reportLight(reader, run.id, lampsThatStayOn(run));
+  if (options.out.ends_with(".png")) {
+    writePng(options.out, workflow::drawLight(report).view());
+  } else if (!options.out.empty()) {
+    std::filesystem::create_directories(options.out);
+    for (const auto& [name, picture] : workflow::drawLightCharts(report))
+      writePng(std::filesystem::path(options.out) / (name + ".png"), picture.view());
   }
   for (const std::string& sentence : report.sentences) context.out.say(sentence);
   for (const workflow::LightSeriesReport& series : report.series) {
@@ -43,9 +60,45 @@ void report(Context& context, const Options& options) {
     item.set("ratio_min", Value{series.ratio_min})
         .set("ratio_max", Value{series.ratio_max})
         .set("gain_min", Value{series.gain_min})
-        .set("gain_max", Value{series.gain_max});
+        .set("gain_max", Value{series.gain_max})
+        .set("steps_told", series.charts.told.size())
+        .hidden("warm_up_s", Value{toSeconds(series.charts.warm_up.tau)})
+        .hidden("warm_up_found", Value{series.charts.warm_up.found})
+        .hidden("trusted", Value{report.trusted})
+        .hidden("verdict", Value{report.verdict})
+        .hidden("sentences", Value{report.sentences});
     context.out.add(std::move(item));
   }
+}
+
+struct MeasureOptions : FrameOptions {
+  std::string run = "latest";
+  RectPx patch;
+};
+
+void measure(Context& context, MeasureOptions& options) {
+  workflow::LightGainRequest request;
+  request.run = options.run;
+  request.selection = options.selection;
+  request.patch = options.patch;
+  request.command = "patina light measure";
+  request.version = PATINA_VERSION;
+  const workflow::LightGainOutcome outcome =
+      workflow::measureLightGain(context.archive(), request, context.clock.utc(), context.progress);
+  context.out.asList();
+  Item item;
+  item.set("id", std::int64_t{outcome.row.id})
+      .set("camera", outcome.row.device_id.c_str())
+      .set("light", outcome.row.light_state.c_str())
+      .set("frames", outcome.frames);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::string channel(1, "rgb"[c]);
+    item.set("flicker_" + channel, Value{outcome.flicker[c]})
+        .set("gain_min_" + channel, Value{outcome.gain_min[c]})
+        .set("gain_max_" + channel, Value{outcome.gain_max[c]});
+  }
+  item.set("path", outcome.path.c_str());
+  context.out.add(std::move(item));
 }
 
 }  // namespace
@@ -54,11 +107,22 @@ void addLightVerbs(Verb root) {
   Verb light = root.group("light", "The light of a run");
   auto o = std::make_shared<Options>();
   light
-      .verb("report", "Its verdicts, in sentences, a table and a chart",
-            "patina light report latest --archive banana --out light.png",
+      .verb("report", "Its verdicts, in sentences, a table and charts",
+            "patina light report latest --archive banana --out light",
             [o](Context& context) { report(context, *o); })
       .optional("RUN", o->run, "A run's id, a prefix of one, or latest")
-      .option("--out", o->out, "FILE.png", "A chart of it");
+      .option("--out", o->out, "FOLDER",
+              "Charts: level, EWMA, cumulative sums, colour; or one FILE.png");
+  auto m = std::make_shared<MeasureOptions>();
+  Verb verb = light.verb(
+      "measure",
+      "The gain of every frame, from a region that does not change: for imported pictures",
+      "patina light measure latest --archive ivy --patch 10,40,100,40",
+      [m](Context& context) { measure(context, *m); });
+  verb.optional("RUN", m->run, "A run's id, a prefix of one, or latest")
+      .option("--patch", m->patch, parseRect, "X,Y,W,H", "The region, pixels from the upper left")
+      .demand("--patch");
+  addFrameOptions(verb, *m);
 }
 
 }  // namespace patina::app
