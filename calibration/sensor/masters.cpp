@@ -15,8 +15,6 @@ namespace {
 constexpr double kSigmas = 4;
 constexpr int kFramesMin = 3;
 constexpr double kFlatLow = 0.05, kFlatHigh = 0.95;
-constexpr float kFlatDead = 0.01f;  // of the mean: a texel without light, nothing to divide by
-constexpr double kSecondsMax = 30 * 86400.0, kKelvinMax = 5;
 
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
@@ -160,15 +158,28 @@ class Stacker {
   std::vector<int> used_;
 };
 
-// Mean of a channel over the middle quarter of the area.
-double middleMean(ImageView<const float> image, int channel) {
-  const RectPx r{image.width / 4, image.height / 4, std::max(1, image.width / 2),
-                 std::max(1, image.height / 2)};
-  const ImageView<const float> middle = image.crop(r);
-  double sum = 0;
-  for (int y = 0; y < middle.height; ++y)
-    for (int x = 0; x < middle.width; ++x) sum += middle.at(x, y, channel);
-  return sum / (static_cast<double>(r.width) * r.height);
+// Mean of a colour over the middle quarter of the area; nothing when no sample there is of it.
+std::optional<double> middleMean(ImageView<const float> image, const ColourFilters& filters,
+                                 int colour) {
+  const int x0 = image.width / 4, y0 = image.height / 4;
+  double sum = 0, count = 0;
+  for (int y = y0; y < y0 + std::max(1, image.height / 2); ++y)
+    for (int x = x0; x < x0 + std::max(1, image.width / 2); ++x) {
+      if (image.channels == 1 && colourAt(filters, x, y) != colour) continue;
+      sum += image.at(x, y, image.channels == 1 ? 0 : colour);
+      count += 1;
+    }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+void scaleColour(ImageView<float> image, const ColourFilters& filters, int colour, double scale) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (image.channels > 1)
+        image.at(x, y, colour) *= static_cast<float>(scale);
+      else if (colourAt(filters, x, y) == colour)
+        image.at(x, y) *= static_cast<float>(scale);
 }
 
 }  // namespace
@@ -178,71 +189,30 @@ Master stackDark(const std::function<PictureSource()>& frames, Progress& progres
 }
 
 Master stackFlat(const std::function<PictureSource()>& frames, ImageView<const float> dark,
-                 Progress& progress) {
+                 Progress& progress, const ColourFilters& filters) {
   Master master = Stacker("flat").run(frames, progress);
   const ImageView<float> flat = master.image.view();
   requireSame("flat: the dark", dark.size(), dark.channels, flat.size(), flat.channels);
-  for (int c = 0; c < flat.channels; ++c) {
-    const double level = middleMean(flat, c);
-    if (!(level >= kFlatLow && level <= kFlatHigh))
+  const int colours = flat.channels == 1 ? 3 : flat.channels;
+  for (int c = 0; c < colours; ++c) {
+    const std::optional<double> level = middleMean(flat, filters, c);
+    if (level && !(*level >= kFlatLow && *level <= kFlatHigh))
       refuse("flat: channel " + std::to_string(c) + " lies at " +
-             std::to_string(static_cast<int>(std::lround(100 * level))) +
+             std::to_string(static_cast<int>(std::lround(100 * *level))) +
              " % of full scale; 5 % to 95 % are needed");
   }
   tbb::parallel_for(0, flat.height, [&](int y) {
     for (int x = 0; x < flat.width * flat.channels; ++x) flat.row(y)[x] -= dark.row(y)[x];
   });
-  for (int c = 0; c < flat.channels; ++c) {
-    const double mean = middleMean(flat, c);
-    if (!(mean > 0)) refuse("flat: channel " + std::to_string(c) + " is no brighter than the dark");
-    const float scale = static_cast<float>(1 / mean);
-    for (int y = 0; y < flat.height; ++y)
-      for (int x = 0; x < flat.width; ++x) flat.at(x, y, c) *= scale;
+  for (int c = 0; c < colours; ++c) {
+    const std::optional<double> mean = middleMean(flat, filters, c);
+    if (!mean) continue;
+    if (!(*mean > 0))
+      refuse("flat: channel " + std::to_string(c) + " is no brighter than the dark");
+    scaleColour(flat, filters, c, 1 / *mean);
+    master.report.levels[static_cast<std::size_t>(c)] = *mean;
   }
   return master;
-}
-
-void applyMasters(ImageView<float> frame, std::optional<ImageView<const float>> dark,
-                  std::optional<ImageView<const float>> flat, const std::array<float, 3>& gain) {
-  if (dark) requireSame("the dark", dark->size(), dark->channels, frame.size(), frame.channels);
-  if (flat) requireSame("the flat", flat->size(), flat->channels, frame.size(), frame.channels);
-  const int channels = frame.channels;
-  tbb::parallel_for(tbb::blocked_range<int>(0, frame.height, 16), [&](const auto& range) {
-    for (int y = range.begin(); y < range.end(); ++y) {
-      float* row = frame.row(y);
-      for (int i = 0; i < frame.width * channels; ++i) {
-        float v = row[i];
-        if (dark) v -= dark->row(y)[i];
-        if (flat && flat->row(y)[i] > kFlatDead) v /= flat->row(y)[i];
-        row[i] = v * gain[std::min(i % channels, 2)];
-      }
-    }
-  });
-}
-
-CalibrationDistance distanceBetween(const CalibrationKey& frame,
-                                    const CalibrationKey& calibration) {
-  CalibrationDistance d;
-  d.time_s = std::abs(toSeconds(frame.utc - calibration.utc));
-  d.temperature_k = std::abs(frame.temperature_c - calibration.temperature_c);
-  const double exposure_s = toSeconds(frame.exposure);
-  const bool exposure_matters = calibration.kind == "dark";  // its charge grows with time
-  if (frame.device_id != calibration.device_id)
-    d.why_not = "of camera " + calibration.device_id + ", not " + frame.device_id;
-  else if (frame.size != calibration.size)
-    d.why_not = "of size " + text(calibration.size) + ", not " + text(frame.size);
-  else if (frame.iso != calibration.iso)
-    d.why_not = "at another ISO";
-  else if (exposure_matters &&
-           !(std::abs(toSeconds(calibration.exposure) - exposure_s) <= 0.01 * exposure_s))
-    d.why_not = "exposed for " + formatExposure(calibration.exposure) + ", not " +
-                formatExposure(frame.exposure);
-  else if (calibration.kind == "flat" && !calibration.light_state.empty() &&
-           calibration.light_state != frame.light_state)
-    d.why_not = "lit by " + calibration.light_state + ", not " + frame.light_state;
-  d.usable = d.why_not.empty();
-  d.within_tolerance = d.usable && d.time_s <= kSecondsMax && d.temperature_k <= kKelvinMax;
-  return d;
 }
 
 }  // namespace patina::calibration

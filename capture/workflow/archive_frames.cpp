@@ -8,10 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "calibration/sensor/masters.h"
-#include "capture/workflow/calibration_record.h"
 #include "capture/workflow/failure.h"
 #include "capture/workflow/light_gain.h"
+#include "capture/workflow/sensor_chain.h"
 
 namespace patina::workflow {
 namespace {
@@ -38,10 +37,34 @@ std::string pick(const std::string& what, const std::string& option, const std::
           : run + " has no " + what + " '" + asked + "'; there are: " + listed(there));
 }
 
-// Per channel, of the verdicts of one shot: the patch's before a sensor's, its own channel's before
-// a grey one's.
-std::array<float, 3> gainOf(const std::vector<db::LightCheckRow>& checks,
-                            const std::string& camera) {
+}  // namespace
+
+struct ArchiveFrames::Chosen {
+  db::FrameRow frame;
+  db::ShotRow shot;
+  std::size_t bound = 0;  // in the chain
+};
+ArchiveFrames::ArchiveFrames(const db::ArchiveReader& reader, const std::string& run_id,
+                             const FrameSelection& selection, const Correction& correction)
+    : reader_(reader), run_id_(run_id), correction_(correction) {
+  if (selection.every < 1) throw WorkflowError(Exit::kUsage, "--every must be at least 1");
+  t0_ = reader.findRun(run_id).t0_utc;
+  choose(reader, selection);
+  if (correction.masters) bindMasters();
+  if (correction.light_gain)
+    measured_gains_ = lightGainsOf(reader, run_id, report_.camera, report_.light);
+  report_.gain_measured = !measured_gains_.empty();
+  const std::int64_t frame_bytes =
+      std::int64_t{report_.largest.width} * report_.largest.height * 3 * 4 * 2;
+  batch_frames_ = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(kBatchBytes / std::max<std::int64_t>(frame_bytes, 1), 1,
+                               4 * tbb::info::default_concurrency()));
+}
+
+ArchiveFrames::~ArchiveFrames() = default;
+
+std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
+                                 const std::string& camera) {
   std::array<float, 3> gain{1, 1, 1};
   int best[3] = {0, 0, 0};
   for (const db::LightCheckRow& check : checks) {
@@ -63,48 +86,6 @@ std::array<float, 3> gainOf(const std::vector<db::LightCheckRow>& checks,
   return gain;
 }
 
-}  // namespace
-
-struct ArchiveFrames::Chosen {
-  db::FrameRow frame;
-  db::ShotRow shot;
-  std::optional<std::size_t> dark, flat;  // into MasterSet::images
-};
-struct ArchiveFrames::MasterSet {
-  std::map<db::RowId, std::size_t> index;
-  std::vector<Image<float>> images;
-  // Of a calibration's picture; read at its first use.
-  std::optional<std::size_t> load(const db::ArchiveReader& reader, const db::CalibrationRow& row,
-                                  FramesReport& report);
-};
-
-ArchiveFrames::ArchiveFrames(const db::ArchiveReader& reader, const std::string& run_id,
-                             const FrameSelection& selection, const Correction& correction)
-    : reader_(reader),
-      run_id_(run_id),
-      correction_(correction),
-      masters_(std::make_unique<MasterSet>()) {
-  if (selection.every < 1) throw WorkflowError(Exit::kUsage, "--every must be at least 1");
-  t0_ = reader.findRun(run_id).t0_utc;
-  choose(reader, selection);
-  if (correction.masters) bindMasters();
-  if (correction.light_gain)
-    measured_gains_ = lightGainsOf(reader, run_id, report_.camera, report_.light);
-  report_.gain_measured = !measured_gains_.empty();
-  const std::int64_t frame_bytes =
-      std::int64_t{report_.largest.width} * report_.largest.height * 3 * 4 * 2;
-  batch_frames_ = static_cast<std::size_t>(
-      std::clamp<std::int64_t>(kBatchBytes / std::max<std::int64_t>(frame_bytes, 1), 1,
-                               4 * tbb::info::default_concurrency()));
-}
-
-ArchiveFrames::~ArchiveFrames() = default;
-
-std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
-                                 const std::string& camera) {
-  return gainOf(checks, camera);
-}
-
 std::int64_t ArchiveFrames::count() const { return static_cast<std::int64_t>(chosen_.size()); }
 
 void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection& selection) {
@@ -122,7 +103,7 @@ void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection
       partial.insert(one.step.id);
       return;
     }
-    all.push_back({one.frame, one.shot, {}, {}});
+    all.push_back({one.frame, one.shot, 0});
   });
   if (cameras.empty()) throw WorkflowError(Exit::kBadData, run_id_ + " has no frames");
   report_.camera = pick("camera", "--camera", selection.camera, cameras, run_id_);
@@ -169,6 +150,18 @@ std::optional<ttf::SourceFrame> ArchiveFrames::next() {
   return std::move(batch_[batch_at_++]);
 }
 
+Image<float> ArchiveFrames::linearOf(const Bytes& file, std::size_t bound,
+                                     const std::array<float, 3>& gain) const {
+  if (chain_) return chain_->apply(bound, file, gain);
+  Image<float> linear = decodePicture(file).linear;
+  if (gain == std::array<float, 3>{1, 1, 1}) return linear;
+  const int channels = linear.channels();
+  std::vector<float>& texels = linear.texels();
+  for (std::size_t i = 0; i < texels.size(); ++i)
+    texels[i] *= gain[std::min<std::size_t>(i % static_cast<std::size_t>(channels), 2)];
+  return linear;
+}
+
 void ArchiveFrames::fill() {
   batch_.clear();
   batch_at_ = 0;
@@ -182,7 +175,7 @@ void ArchiveFrames::fill() {
     const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
     gains[i] = measured != measured_gains_.end()
                    ? measured->second
-                   : gainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
+                   : lightGainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
     for (const float gain : gains[i]) {
       report_.gain_min = std::min(report_.gain_min, static_cast<double>(gain));
       report_.gain_max = std::max(report_.gain_max, static_cast<double>(gain));
@@ -191,11 +184,7 @@ void ArchiveFrames::fill() {
   batch_.resize(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const Chosen& chosen = chosen_[next_ + i];
-    Image<float> linear = decodePicture(files[i]).linear;
-    const auto view = [&](std::optional<std::size_t> m) {
-      return m ? std::optional<ImageView<const float>>(masters_->images[*m].view()) : std::nullopt;
-    };
-    calibration::applyMasters(linear.view(), view(chosen.dark), view(chosen.flat), gains[i]);
+    Image<float> linear = linearOf(files[i], chosen.bound, gains[i]);
     if (linear.size() != report_.size)
       linear = copyOf<float>(ImageView<const float>(linear.view())
                                  .crop({(linear.width() - report_.size.width) / 2,
@@ -229,89 +218,44 @@ class Temperatures {
   std::map<std::int64_t, double> at_;
 };
 
-struct Match {
-  const db::CalibrationRow* row = nullptr;
-  calibration::CalibrationDistance distance;
-};
-
-Match nearest(const calibration::CalibrationKey& frame, const std::vector<db::CalibrationRow>& rows,
-              const std::string& kind, std::string& why_not) {
-  Match best;
-  for (const db::CalibrationRow& row : rows) {
-    if (row.kind != kind) continue;
-    const calibration::CalibrationKey key{row.kind, row.device_id,  row.exposure,
-                                          row.iso,  row.size,       row.temperature_c,
-                                          row.utc,  row.light_state};
-    calibration::CalibrationKey of_frame = frame;
-    of_frame.kind = kind;
-    const auto distance = calibration::distanceBetween(of_frame, key);
-    if (!distance.usable) {
-      why_not = kind + " " + std::to_string(row.id) + ": " + distance.why_not;
-      continue;
-    }
-    const auto rank = [](const calibration::CalibrationDistance& d) {
-      return std::pair(!d.within_tolerance, std::abs(d.time_s));
-    };
-    if (best.row == nullptr || rank(distance) < rank(best.distance)) best = {&row, distance};
-  }
-  return best;
-}
-
-std::string described(const Match& match) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %lld: %.1f days, %.1f K away", match.row->kind.c_str(),
-                static_cast<long long>(match.row->id), std::abs(match.distance.time_s) / 86400,
-                std::abs(match.distance.temperature_k));
-  return text;
-}
-
-void noteOnce(std::vector<std::string>& list, const std::string& text) {
-  if (!text.empty() && std::find(list.begin(), list.end(), text) == list.end())
-    list.push_back(text);
-}
-
 }  // namespace
 
-std::optional<std::size_t> ArchiveFrames::MasterSet::load(const db::ArchiveReader& reader,
-                                                          const db::CalibrationRow& row,
-                                                          FramesReport& report) {
-  const auto [at, is_new] = index.try_emplace(row.id, images.size());
-  if (!is_new) return at->second;
-  images.push_back(readPicture(fileOfCalibration(reader, row)).linear);
-  report.input_sha256s.push_back(row.sha256);
-  return at->second;
+void ArchiveFrames::bindMasters() {
+  if (reader_.calibrations().empty()) return;
+  const Bytes sample = reader_.read(chosen_.front().frame);
+  chain_ = std::make_unique<SensorChain>(reader_, sample, correction_.stale);
+  const Temperatures temperatures(reader_.readings(run_id_));
+  for (Chosen& chosen : chosen_)
+    chosen.bound = chain_->bind({.kind = {},
+                                 .device_id = report_.camera,
+                                 .exposure = chosen.shot.exposure,
+                                 .iso = chosen.shot.iso,
+                                 .size = chosen.frame.size,
+                                 .temperature_c = temperatures.near(chosen.frame.utc),
+                                 .utc = chosen.frame.utc,
+                                 .light_state = chosen.shot.light_state},
+                                chosen.frame.id);
+  chain_->prepare();
+  const SensorChain::Report& report = chain_->report();
+  report_.masters = report.used;
+  report_.masters_left = report.left;
+  report_.input_sha256s.insert(report_.input_sha256s.end(), report.input_sha256s.begin(),
+                               report.input_sha256s.end());
 }
 
-void ArchiveFrames::bindMasters() {
-  const std::vector<db::CalibrationRow> rows = reader_.calibrations();
-  if (rows.empty()) return;
-  const Temperatures temperatures(reader_.readings(run_id_));
-  for (Chosen& chosen : chosen_) {
-    const calibration::CalibrationKey key{{},
-                                          report_.camera,
-                                          chosen.shot.exposure,
-                                          chosen.shot.iso,
-                                          chosen.frame.size,
-                                          temperatures.near(chosen.frame.utc),
-                                          chosen.frame.utc,
-                                          chosen.shot.light_state};
-    const auto use = [&](const std::string& kind, std::optional<std::size_t>& into) {
-      std::string why_not;
-      const Match match = nearest(key, rows, kind, why_not);
-      if (match.row == nullptr) return noteOnce(report_.masters_left, why_not);
-      if (!match.distance.within_tolerance && !correction_.stale)
-        return noteOnce(report_.masters_left,
-                        match.row->kind + " " + std::to_string(match.row->id) +
-                            " is out of tolerance; --stale-calibration uses it all the same");
-      if (!masters_->index.contains(match.row->id)) report_.masters.push_back(described(match));
-      into = masters_->load(reader_, *match.row, report_);
-      bindings_.push_back({chosen.frame.id, match.row->id, match.distance.time_s,
-                           match.distance.temperature_k, match.distance.within_tolerance});
-    };
-    use("dark", chosen.dark);
-    if (!chosen.dark) use("bias", chosen.dark);
-    use("flat", chosen.flat);
-  }
+const std::vector<db::FrameCalibrationRow>& ArchiveFrames::bindings() const {
+  static const std::vector<db::FrameCalibrationRow> none;
+  return chain_ ? chain_->bindings() : none;
+}
+
+std::optional<calibration::NoiseModels> ArchiveFrames::noise() const {
+  return chain_ ? chain_->noise() : std::nullopt;
+}
+
+std::vector<db::FrameRow> ArchiveFrames::rows() const {
+  std::vector<db::FrameRow> rows;
+  for (const Chosen& chosen : chosen_) rows.push_back(chosen.frame);
+  return rows;
 }
 
 }  // namespace patina::workflow

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The frames of a run as a FrameSource: one camera, one light state, one exposure; decoded,
-// calibrated, of one size. Registration is the identity for now.
+// calibrated, of one size. Registration and colour are decorators of their own.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/sensor/noise_model.h"
 #include "db/archive.h"
 #include "processing/ttf/frame_source.h"
 
@@ -26,9 +27,11 @@ struct FrameSelection {
 };
 struct Correction {
   bool light_gain = true;  // per light and channel, as measured since, else of the light checks
-  bool masters = true;     // dark (else bias) and flat, by key
-  bool stale = false;      // also masters out of tolerance, flagged; otherwise left out, with why
+  bool masters = true;     // response, dark (else bias), defects and flat, by key
+  bool stale = false;      // also those out of tolerance, flagged; otherwise left out, with why
 };
+
+class SensorChain;
 
 // What was chosen and what was done to it.
 struct FramesReport {
@@ -39,8 +42,8 @@ struct FramesReport {
   SizePx size;                             // of every frame given
   int sizes = 1;                           // how many different ones there were
   SizePx largest;                          // before cropping about the centre
-  std::vector<std::string> masters;        // "dark cal 3: 2.1 days, 0.4 K away"
-  std::vector<std::string> masters_left;   // why one was not used
+  std::vector<std::string> masters;        // "dark 3: 2.1 days, 0.4 K away"
+  std::vector<std::string> masters_left;   // why one was not used, what to shoot
   std::vector<std::string> input_sha256s;  // frames, then masters
   bool display_referred = false;           // JPEG, PNG and the like: exposed for the eye already
   double gain_min = 1, gain_max = 1;       // over the frames given so far
@@ -60,13 +63,18 @@ class ArchiveFrames final : public ttf::FrameSource {
   std::optional<ttf::SourceFrame> next() override;
   const FramesReport& report() const { return report_; }
   // Which calibration every frame was given: for the catalogue's frame_calibration.
-  const std::vector<db::FrameCalibrationRow>& bindings() const { return bindings_; }
+  const std::vector<db::FrameCalibrationRow>& bindings() const;
+  // What noise the numbers of these frames carry; nothing without a photon transfer that fits. For
+  // a frame as given, a number is 1 / range() of full scale.
+  std::optional<calibration::NoiseModels> noise() const;
+  std::vector<db::FrameRow> rows() const;  // of the frames, in order
 
  private:
   struct Chosen;
-  struct MasterSet;
   void choose(const db::ArchiveReader& reader, const FrameSelection& selection);
   void bindMasters();
+  Image<float> linearOf(const Bytes& file, std::size_t bound,
+                        const std::array<float, 3>& gain) const;
   void fill();
 
   const db::ArchiveReader& reader_;
@@ -75,9 +83,8 @@ class ArchiveFrames final : public ttf::FrameSource {
   UtcTime t0_;
   FramesReport report_;
   std::vector<Chosen> chosen_;
-  std::unique_ptr<MasterSet> masters_;
+  std::unique_ptr<SensorChain> chain_;                          // absent: no masters wanted
   std::map<std::string, std::array<float, 3>> measured_gains_;  // by frame, light_gain.h
-  std::vector<db::FrameCalibrationRow> bindings_;
   std::size_t next_ = 0, batch_at_ = 0, batch_frames_ = 1;
   std::vector<ttf::SourceFrame> batch_;
 };

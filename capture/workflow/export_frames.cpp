@@ -7,6 +7,7 @@
 
 #include "capture/workflow/failure.h"
 #include "db/failure.h"
+#include "processing/image/sidecar_file.h"
 
 namespace patina::workflow {
 namespace {
@@ -62,6 +63,16 @@ std::string manifestLine(const std::string& run_id, const std::string& file, con
   return line + "\n";
 }
 
+void writeSidecar(const fs::path& picture, const Captured& c) {
+  PictureMetadata said;
+  said.taken_utc = c.frame.utc;
+  if (c.shot.exposure > Nanoseconds{}) said.exposure = c.shot.exposure;
+  if (c.shot.iso > 0) said.iso = Iso{c.shot.iso};
+  if (c.shot.f_number > 0) said.f_number = FNumber{c.shot.f_number};
+  said.camera = c.shot.device_id;
+  writeFileAtomically(sidecarOf(picture), encodeSidecar(said));
+}
+
 class Export {
  public:
   Export(const db::ArchiveReader& reader, const std::string& run_id, const fs::path& out,
@@ -80,6 +91,7 @@ class Export {
       progress.step();
       const std::string name = exportName(c);
       if (!place(name, c)) continue;
+      if (options_.sidecars) writeSidecar(out_ / name, c);
       ++report_.frames;
       manifest += manifestLine(report_.run_id, name, c);
       sums += c.frame.sha256.hex() + "  " + name + "\n";

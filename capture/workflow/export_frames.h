@@ -16,6 +16,8 @@ struct ExportOptions {
   // Hard links to the archive's own files where the file system allows it. Both become read-only:
   // a program that wrote into one would change the other.
   bool link = false;
+  bool sidecars =
+      false;  // also name.ext.xmp: time, exposure, ISO, f-number, camera, as the rows say
 };
 
 struct ExportReport {

@@ -9,7 +9,7 @@
 #include "capture/workflow/failure.h"
 #include "db/archive.h"
 #include "processing/image/film_file.h"
-#include "processing/image/metadata_file.h"
+#include "processing/image/sidecar_file.h"
 
 namespace patina::workflow {
 namespace {
@@ -25,6 +25,7 @@ struct LoadedFile {
   Bytes bytes;
   SizePx size;
   double saturated_fraction = 0;
+  fs::path path;  // empty: a frame of a film
   PictureMetadata about;
 };
 struct LoadedShot {
@@ -45,7 +46,8 @@ void judge(LoadedFile& file) {
     file.ext = extensionOf(picture.format);
     if (file.ext.empty() || picture.format == PictureFormat::kRaw)
       file.ext = fs::path(file.name).extension().string().substr(1);
-    file.about = readMetadata(file.bytes);
+    file.about =
+        file.path.empty() ? readMetadata(file.bytes) : readMetadataOf(file.path, file.bytes);
   } catch (const Failure& failure) {
     file.why_not = failure.what();
   }
@@ -54,6 +56,7 @@ void judge(LoadedFile& file) {
 LoadedFile load(const fs::path& path) {
   LoadedFile file;
   file.name = path.filename().string();
+  file.path = path;
   file.ext = path.extension().string();
   if (!file.ext.empty()) file.ext.erase(0, 1);
   try {

@@ -12,8 +12,8 @@
 #include "capture/workflow/lights_file.h"
 #include "capture/workflow/picture_times.h"
 #include "processing/image/film_file.h"
-#include "processing/image/metadata_file.h"
 #include "processing/image/sha256.h"
+#include "processing/image/sidecar_file.h"
 
 namespace patina::workflow {
 namespace {
@@ -84,7 +84,7 @@ std::optional<UtcTime> timeOf(const std::vector<fs::path>& shot, const ListingOp
     return timeFromName(shot.front().stem().string(), options.start_utc.value_or(UtcTime{}));
   // The whole file would be read again below; what a camera writes stands in its first megabytes.
   for (const fs::path& file : shot)
-    if (const auto time = readMetadata(readFile(file)).taken_utc) return time;
+    if (const auto time = readMetadataOf(file, readFile(file)).taken_utc) return time;
   return std::nullopt;
 }
 

@@ -13,7 +13,7 @@
 namespace patina::workflow {
 
 struct MasterRequest {
-  std::string kind;              // "bias" "dark" "flat"
+  std::string kind;              // "bias" "dark" "flat" "dark_flat"
   std::filesystem::path folder;  // of pictures; or
   std::string run;               // frames of a run, chosen by `selection`
   FrameSelection selection;
@@ -29,8 +29,9 @@ struct MasterOutcome {
   std::filesystem::path path;      // float EXR, linear
   std::vector<std::string> notes;  // what was assumed
 };
-// A flat is divided by the nearest dark (else bias) of the archive that fits; without one it is
-// taken as it is, and the notes say so.
+// Of raw files masters are mosaics, [h][w][1]. From a flat the nearest dark flat (else dark, else
+// bias) of the archive that fits is subtracted; without one it is taken as it is, and the notes say
+// so. Pictures that do not say their exposure are refused unless it is given.
 MasterOutcome makeMaster(const std::filesystem::path& archive, const MasterRequest& request,
                          UtcTime now, Progress& progress);
 

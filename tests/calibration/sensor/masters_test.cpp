@@ -147,101 +147,24 @@ TEST(StackFlat, RefusesADarkOfAnotherSize) {
                CalibrationError);
 }
 
-TEST(ApplyMasters, RecoversTheTruthUnderFallOffDarkAndDriftedLight) {
-  const Truth scene = [](int x, int y, int c) {
-    return 0.2 + 0.1 * std::sin(0.3 * x + c) + 0.002 * y;
+TEST(StackFlat, OfAMosaicHasMeanOneInEveryColour) {
+  const ColourFilters filters{0, 1, 1, 2};
+  const auto frames = [&]() -> PictureSource {
+    return [&filters, left = 4]() mutable -> std::optional<Image<float>> {
+      if (left-- == 0) return std::nullopt;
+      Image<float> frame(kWidth, kHeight, 1);
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+          frame.at(x, y) = 0.2f + 0.1f * static_cast<float>(colourAt(filters, x, y));
+      return frame;
+    };
   };
-  const Truth lit = [](int x, int y, int c) {
-    return darkTruth(x, y, c) + 0.5 * flatTruth(x, y, c);
-  };
-  const Master d = dark(noisyFrames(64, 0.001, darkTruth));
-  const Master f = flat(noisyFrames(64, 0.001, lit), d.image);
-  // The light has fallen to 1/gain since the reference.
-  const std::array<float, 3> gain{1.05f, 1.1f, 1.2f};
-  Image<float> frame = imageOf([&](int x, int y, int c) {
-    return darkTruth(x, y, c) + scene(x, y, c) * flatTruth(x, y, c) / gain[c];
-  });
-  applyMasters(frame.view(), std::as_const(d.image).view(), std::as_const(f.image).view(), gain);
-  // The flat's own level is free: its middle quarter is brighter than the corners.
-  const Image<float> truth = imageOf(scene);
-  double ratio = 0;
-  for (std::size_t i = 0; i < frame.texels().size(); ++i)
-    ratio += frame.texels()[i] / truth.texels()[i] / frame.texels().size();
-  EXPECT_NEAR(ratio, 1, 0.05);
-  EXPECT_LT(rmsError(frame, [&](int x, int y, int c) { return ratio * scene(x, y, c); }), 0.0005);
-}
-
-TEST(ApplyMasters, WorksWithEitherMasterAbsent) {
-  Image<float> frame(4, 4, 1, 0.5f);
-  applyMasters(frame.view(), {}, {}, {2, 9, 9});
-  EXPECT_EQ(frame.at(3, 3), 1.0f);
-  const Image<float> offset(4, 4, 1, 0.25f);
-  applyMasters(frame.view(), offset.view(), {}, {1, 1, 1});
-  EXPECT_EQ(frame.at(3, 3), 0.75f);
-}
-
-TEST(ApplyMasters, LeavesATexelWithoutLightInTheFlatUndivided) {
-  Image<float> frame(2, 1, 1, 0.5f);
-  Image<float> response(2, 1, 1, 0.5f);
-  response.at(1, 0) = 0;
-  applyMasters(frame.view(), {}, std::as_const(response).view(), {1, 1, 1});
-  EXPECT_EQ(frame.at(0, 0), 1.0f);
-  EXPECT_EQ(frame.at(1, 0), 0.5f);
-}
-
-TEST(ApplyMasters, RefusesMastersOfAnotherSize) {
-  Image<float> frame(4, 4, 1, 0.5f);
-  const Image<float> other(4, 3, 1), colour(4, 4, 3);
-  EXPECT_THROW(applyMasters(frame.view(), other.view(), {}, {1, 1, 1}), CalibrationError);
-  EXPECT_THROW(applyMasters(frame.view(), {}, colour.view(), {1, 1, 1}), CalibrationError);
-}
-
-CalibrationKey key(const char* kind) {
-  CalibrationKey k;
-  k.kind = kind;
-  k.device_id = "cam0";
-  k.exposure = std::chrono::milliseconds(10);
-  k.iso = 100;
-  k.size = {640, 480};
-  k.utc = parseUtc("2024-05-01");
-  return k;
-}
-
-TEST(DistanceBetween, BindsADarkByExposureButNotAFlat) {
-  CalibrationKey frame = key("frame");
-  frame.exposure = std::chrono::milliseconds(20);
-  EXPECT_FALSE(distanceBetween(frame, key("dark")).usable);
-  EXPECT_NE(distanceBetween(frame, key("dark")).why_not, "");
-  EXPECT_TRUE(distanceBetween(frame, key("flat")).usable);
-  EXPECT_TRUE(distanceBetween(key("frame"), key("dark")).within_tolerance);
-}
-
-TEST(DistanceBetween, RefusesAnotherCameraSizeOrIso) {
-  for (int field : {0, 1, 2}) {
-    CalibrationKey frame = key("frame");
-    if (field == 0) frame.device_id = "cam1";
-    if (field == 1) frame.size = {480, 640};
-    if (field == 2) frame.iso = 200;
-    const CalibrationDistance d = distanceBetween(frame, key("flat"));
-    EXPECT_FALSE(d.usable);
-    EXPECT_FALSE(d.within_tolerance);
-    EXPECT_NE(d.why_not, "");
-  }
-}
-
-TEST(DistanceBetween, MeasuresTimeAndTemperatureBothWays) {
-  CalibrationKey frame = key("frame");
-  frame.utc = parseUtc("2024-05-31");
-  frame.temperature_c = 15;
-  EXPECT_EQ(distanceBetween(frame, key("dark")).time_s, 30 * 86400.0);
-  EXPECT_TRUE(distanceBetween(frame, key("dark")).within_tolerance);
-  frame.temperature_c = 14.9;
-  EXPECT_NEAR(distanceBetween(frame, key("dark")).temperature_k, 5.1, 1e-9);
-  EXPECT_TRUE(distanceBetween(frame, key("dark")).usable);
-  EXPECT_FALSE(distanceBetween(frame, key("dark")).within_tolerance);
-  frame = key("frame");
-  frame.utc = parseUtc("2024-03-01");
-  EXPECT_FALSE(distanceBetween(frame, key("dark")).within_tolerance);
+  Progress progress;
+  const Image<float> none(kWidth, kHeight, 1);
+  const Master master = stackFlat(frames, none.view(), progress, filters);
+  for (const float v : master.image.texels()) ASSERT_NEAR(v, 1, 1e-5);
+  EXPECT_NEAR(master.report.levels[0], 0.2, 1e-6);
+  EXPECT_NEAR(master.report.levels[2], 0.4, 1e-6);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/workflow/failure.h"
+#include "processing/image/sidecar_file.h"
 #include "tests/capture/workflow/small_run.h"
 
 namespace patina::workflow {
@@ -85,6 +86,17 @@ TEST_F(ExportFrames, LinksShareTheArchivesFilesAndProtectThem) {
   EXPECT_EQ(report.written, 0);
   EXPECT_EQ(fs::hard_link_count(pathOfFirst()), 2u);
   EXPECT_EQ(fs::status(pathOfFirst()).permissions() & fs::perms::owner_write, fs::perms::none);
+}
+
+TEST_F(ExportFrames, SidecarsSayWhatTheRowsKnow) {
+  const db::ArchiveReader reader(archive_);
+  exportFrames(reader, run_, out_, {.sidecars = true}, progress_);
+  const fs::path picture = out_ / "20240501T001000.000Z_000001_cam0_key_e0.png";
+  const PictureMetadata said = readMetadataOf(picture, readFile(picture));
+  EXPECT_EQ(said.exposure, std::chrono::milliseconds(20));
+  EXPECT_EQ(said.iso, Iso{100});
+  EXPECT_EQ(said.camera, "cam0");
+  EXPECT_EQ(said.taken_utc, testing::kMay + std::chrono::minutes(10));
 }
 
 TEST_F(ExportFrames, ADamagedFrameIsNamedAndLeftOut) {

@@ -86,7 +86,24 @@ TEST_F(Masters, AFlatWithoutADarkSaysSo) {
   request.kind = "flat";
   request.folder = folder_ / "flats";
   request.camera = "cam0";
+  request.exposure = std::chrono::milliseconds(20);
   EXPECT_THAT(make(request).notes, ::testing::Contains(::testing::HasSubstr("no dark")));
+}
+
+TEST_F(Masters, OfPicturesThatDoNotSayTheirExposureAskForIt) {
+  testing::makeRun(archive_, {{{testing::MadeShot{}}}});
+  testing::plantPngs(folder_ / "darks", 3);
+  MasterRequest request;
+  request.kind = "dark";
+  request.folder = folder_ / "darks";
+  request.camera = "cam0";
+  try {
+    make(request);
+    ADD_FAILURE() << "not refused";
+  } catch (const WorkflowError& error) {
+    EXPECT_EQ(error.exit(), Exit::kUsage);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("--exposure-time"));
+  }
 }
 
 }  // namespace

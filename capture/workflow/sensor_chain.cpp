@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/sensor_chain.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "capture/workflow/calibration_record.h"
+#include "capture/workflow/defects_calibration.h"
+#include "capture/workflow/failure.h"
+#include "capture/workflow/photon_transfer_calibration.h"
+#include "capture/workflow/response_calibration.h"
+#include "processing/image/encoding.h"
+#include "processing/image/linear_mosaic.h"
+
+namespace patina::workflow {
+namespace {
+
+using calibration::CalibrationDistance;
+using calibration::CalibrationKey;
+
+struct Match {
+  const db::CalibrationRow* row = nullptr;
+  CalibrationDistance distance;
+};
+
+std::string nameOf(const db::CalibrationRow& row) {
+  return row.kind + " " + std::to_string(row.id);
+}
+
+std::string described(const Match& match) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s: %.1f days, %.1f K away", nameOf(*match.row).c_str(),
+                match.distance.time_s / 86400, match.distance.temperature_k);
+  return text;
+}
+
+void noteOnce(std::vector<std::string>& list, const std::string& text) {
+  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
+bool isMaster(const std::string& kind) {
+  return kind == "dark" || kind == "bias" || kind == "flat" || kind == "dark_flat";
+}
+
+// Why a row does not serve pictures of so many channels, linear by this response.
+std::string otherMaking(const db::CalibrationRow& row, int channels, db::RowId response) {
+  if (!isMaster(row.kind)) return {};
+  const Facts values = Facts::parse(row.value_json);
+  if (channels != 0 && values.number("channels").value_or(channels) != channels)
+    return channels == 1 ? "made of pictures in colour, not of the raw mosaic"
+                         : "made of a raw mosaic, not of pictures in colour";
+  if (static_cast<db::RowId>(values.number("response").value_or(0)) != response)
+    return "made by another response";
+  return {};
+}
+
+// The nearest in time of those that are best within tolerance; of equals the newest row.
+bool isNearer(const CalibrationDistance& a, const CalibrationDistance& b) {
+  return std::pair(!a.within_tolerance, a.time_s) <= std::pair(!b.within_tolerance, b.time_s);
+}
+
+bool isRaw(PictureFormat format) {
+  return format == PictureFormat::kDng || format == PictureFormat::kRaw;
+}
+
+// Of a JPEG or an 8-bit PNG or TIFF; what sRGB says is undone to the code it came from.
+Image<float> linearByResponse(const Image<float>& linear,
+                              const calibration::ResponseCurve& response) {
+  const Image<std::uint8_t> codes = encodeSrgb8(linear.view());
+  return calibration::linearBy(response, codes.view());
+}
+
+}  // namespace
+
+SensorPicture decodeSensorPicture(std::span<const std::byte> file,
+                                  const calibration::ResponseCurve* response) {
+  SensorPicture out;
+  if (isRaw(sniffFormat(file))) {
+    out.raw = decodeRaw(file);
+    out.bits = std::bit_width(static_cast<unsigned>(out.raw->white_level));
+    return out;
+  }
+  Picture picture = decodePicture(file);
+  out.bits = picture.bits;
+  out.linear = response != nullptr && picture.bits == 8
+                   ? linearByResponse(picture.linear, *response)
+                   : std::move(picture.linear);
+  return out;
+}
+
+Image<float> uncorrected(const SensorPicture& picture) {
+  if (!picture.raw) return picture.linear;
+  const SizePx size = picture.raw->samples.size();
+  Image<float> light(size.width, size.height, 1);
+  calibration::toRadiance(*picture.raw,
+                          calibration::prepareCorrection(size, 1, picture.raw->cfa, {}, {}, {}),
+                          {1, 1, 1}, light.view());
+  return light;
+}
+
+CalibrationKey keyOf(const db::CalibrationRow& row) {
+  CalibrationKey key{row.kind, row.device_id,     row.exposure, row.iso,
+                     row.size, row.temperature_c, row.utc,      row.light_state};
+  key.bits = static_cast<int>(Facts::parse(row.value_json).number("bits").value_or(0));
+  return key;
+}
+
+std::optional<db::CalibrationRow> nearestCalibration(const db::ArchiveReader& reader,
+                                                     const std::string& kind,
+                                                     const CalibrationKey& key, int channels,
+                                                     db::RowId response) {
+  std::optional<db::CalibrationRow> best;
+  CalibrationDistance best_distance;
+  for (db::CalibrationRow& row : reader.calibrations(kind)) {
+    const CalibrationDistance distance = calibration::distanceBetween(key, keyOf(row));
+    if (!distance.within_tolerance || !otherMaking(row, channels, response).empty()) continue;
+    if (best && !isNearer(distance, best_distance)) continue;
+    best = std::move(row);
+    best_distance = distance;
+  }
+  return best;
+}
+
+SensorChain::SensorChain(const db::ArchiveReader& reader, std::span<const std::byte> sample,
+                         bool stale)
+    : reader_(reader), stale_(stale), rows_(reader.calibrations()) {
+  const SensorPicture picture = decodeSensorPicture(sample, nullptr);
+  mosaic_ = picture.raw.has_value();
+  bits_ = picture.bits;
+  channels_ = mosaic_ ? 1 : picture.linear.channels();
+  if (mosaic_) filters_ = picture.raw->cfa;
+}
+
+const db::CalibrationRow& SensorChain::row(db::RowId id) const {
+  return *std::find_if(rows_.begin(), rows_.end(), [&](const auto& r) { return r.id == id; });
+}
+
+std::optional<db::RowId> SensorChain::choose(const std::string& kind, const CalibrationKey& key,
+                                             db::RowId frame_id,
+                                             std::optional<db::RowId> response) {
+  Match best;
+  std::string why_not;
+  const auto leave = [&](const db::CalibrationRow& r, const std::string& why) {
+    why_not = nameOf(r) + ": " + why + "; " + calibration::shootInstead(key, kind);
+  };
+  for (const db::CalibrationRow& r : rows_) {
+    if (r.kind != kind) continue;
+    const CalibrationDistance distance = calibration::distanceBetween(key, keyOf(r));
+    const std::string why =
+        distance.usable ? otherMaking(r, channels_, response.value_or(0)) : distance.why_not;
+    if (!why.empty())
+      leave(r, why);
+    else if (best.row == nullptr || isNearer(distance, best.distance))
+      best = {&r, distance};
+  }
+  if (best.row == nullptr) {
+    if (!why_not.empty()) noteOnce(report_.left, why_not);
+    return std::nullopt;
+  }
+  if (!best.distance.within_tolerance && !stale_) {
+    leave(*best.row, best.distance.why_not);
+    noteOnce(report_.left, why_not + "; or use it all the same by --stale-calibration");
+    return std::nullopt;
+  }
+  if (told_.insert(best.row->id).second) {
+    report_.used.push_back(described(best));
+    report_.input_sha256s.push_back(best.row->sha256);
+  }
+  bindings_.push_back({frame_id, best.row->id, best.distance.time_s, best.distance.temperature_k,
+                       best.distance.within_tolerance});
+  return best.row->id;
+}
+
+std::size_t SensorChain::bind(CalibrationKey key, db::RowId frame_id) {
+  key.bits = bits_;
+  Chosen chosen;
+  std::optional<db::RowId> response;
+  const auto use = [&](const char* kind) {
+    const std::optional<db::RowId> id = choose(kind, key, frame_id, response);
+    if (id) chosen[kind] = *id;
+    return id;
+  };
+  if (!mosaic_ && bits_ == 8) response = use("response");
+  if (!use("dark")) use("bias");
+  use("defects");
+  use("flat");
+  if (const auto id = use("photon_transfer"); id && !noise_)
+    noise_ = readNoise(fileOfCalibration(reader_, row(*id)));
+  const auto same = std::find_if(ready_.begin(), ready_.end(), [&](const Ready& r) {
+    return r.chosen == chosen && r.size == key.size && r.exposure == key.exposure;
+  });
+  const auto index = static_cast<std::size_t>(same - ready_.begin());
+  if (same == ready_.end()) {
+    ready_.emplace_back();
+    ready_.back().chosen = chosen;
+    ready_.back().size = key.size;
+    ready_.back().exposure = key.exposure;
+  }
+  ready_[index].warmest_c = std::max(ready_[index].warmest_c, key.temperature_c);
+  return index;
+}
+
+void SensorChain::prepare() {
+  for (Ready& ready : ready_) {
+    const auto picture =
+        [&](std::initializer_list<const char*> kinds) -> std::optional<Image<float>> {
+      for (const char* kind : kinds)
+        if (const auto at = ready.chosen.find(kind); at != ready.chosen.end())
+          return readPicture(fileOfCalibration(reader_, row(at->second))).linear;
+      return std::nullopt;
+    };
+    const auto view = [](const std::optional<Image<float>>& image) {
+      return image ? std::optional<ImageView<const float>>(image->view()) : std::nullopt;
+    };
+    const std::optional<Image<float>> dark = picture({"dark", "bias"}), flat = picture({"flat"});
+    std::vector<calibration::Defect> defects;
+    if (const auto at = ready.chosen.find("defects"); at != ready.chosen.end())
+      defects =
+          calibration::defectsThatMatter(readDefects(fileOfCalibration(reader_, row(at->second))),
+                                         ready.exposure, ready.warmest_c);
+    ready.correction = calibration::prepareCorrection(ready.size, channels_, filters_, view(dark),
+                                                      view(flat), defects);
+    if (const auto at = ready.chosen.find("response"); at != ready.chosen.end())
+      ready.response = readResponse(fileOfCalibration(reader_, row(at->second)));
+  }
+}
+
+Image<float> SensorChain::apply(std::size_t bound, std::span<const std::byte> file,
+                                const calibration::ChannelGains& gain) const {
+  const Ready& ready = ready_.at(bound);
+  SensorPicture picture = decodeSensorPicture(file, ready.response ? &*ready.response : nullptr);
+  if (!picture.raw) {
+    calibration::correctLinear(picture.linear.view(), ready.correction, gain);
+    return std::move(picture.linear);
+  }
+  Image<float> light(ready.size.width, ready.size.height, 1);
+  calibration::toRadiance(*picture.raw, ready.correction, gain, light.view());
+  return demosaicLinear(std::as_const(light).view(), ready.correction.filters);
+}
+
+}  // namespace patina::workflow

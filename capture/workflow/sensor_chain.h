@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From one camera's files to linear light by what the archive knows of its sensor: response (8-bit
+// files), dark or bias, defects, flat, then the gain of the light. Each calibration is chosen for
+// each frame by key, and its distance is kept; what does not fit is left out, with what to shoot.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibration/sensor/calibration_key.h"
+#include "calibration/sensor/noise_model.h"
+#include "calibration/sensor/radiance.h"
+#include "calibration/sensor/response.h"
+#include "db/archive.h"
+
+namespace patina::workflow {
+
+// A decoded file before any correction.
+struct SensorPicture {
+  std::optional<RawMosaic> raw;  // or, of every other file:
+  Image<float> linear;           // by the response where one is given, else as the format says
+  int bits = 8;
+};
+SensorPicture decodeSensorPicture(std::span<const std::byte> file,
+                                  const calibration::ResponseCurve* response);
+// Share of full scale, [h][w][1] of a mosaic, else [h][w][3]: what masters are stacked from.
+Image<float> uncorrected(const SensorPicture& picture);
+
+// The key of a row, and of bits and response where it says so.
+calibration::CalibrationKey keyOf(const db::CalibrationRow& row);
+
+// The one that fits best, within tolerance; masters of as many channels and the same response.
+std::optional<db::CalibrationRow> nearestCalibration(const db::ArchiveReader& reader,
+                                                     const std::string& kind,
+                                                     const calibration::CalibrationKey& key,
+                                                     int channels = 0, db::RowId response = 0);
+
+class SensorChain {
+ public:
+  // What was chosen, in words, and which inputs it adds to a product.
+  struct Report {
+    std::vector<std::string> used;  // "dark 3: 2.1 days, 0.4 K away"
+    std::vector<std::string> left;  // "dark 3: exposed for 1/100, not 1/50; shoot 16 darks at ..."
+    std::vector<std::string> input_sha256s;
+  };
+  // `sample` is any of the camera's files: it says how many bits and channels they have.
+  SensorChain(const db::ArchiveReader& reader, std::span<const std::byte> sample, bool stale);
+
+  // Chooses for a frame and remembers it. `key`'s bits are filled in. Not thread-safe.
+  std::size_t bind(calibration::CalibrationKey key, db::RowId frame_id);
+  // A file of a frame that was bound, as [h][w][3] or grey [h][w][1]. Thread-safe after the last
+  // bind and prepare.
+  Image<float> apply(std::size_t bound, std::span<const std::byte> file,
+                     const calibration::ChannelGains& gain) const;
+  void prepare();  // reads the files of what was chosen
+  const Report& report() const { return report_; }
+  const std::vector<db::FrameCalibrationRow>& bindings() const { return bindings_; }
+  // Of the first frame that has one; in numbers of the raw files.
+  const std::optional<calibration::NoiseModels>& noise() const { return noise_; }
+
+ private:
+  using Chosen = std::map<std::string, db::RowId>;  // by kind
+  struct Ready {
+    Chosen chosen;
+    SizePx size;
+    Nanoseconds exposure{};
+    double warmest_c = -300;  // of its frames: hot pixels are chosen for it
+    calibration::SensorCorrection correction;
+    std::optional<calibration::ResponseCurve> response;
+  };
+  std::optional<db::RowId> choose(const std::string& kind, const calibration::CalibrationKey& key,
+                                  db::RowId frame_id, std::optional<db::RowId> response);
+  const db::CalibrationRow& row(db::RowId id) const;
+
+  const db::ArchiveReader& reader_;
+  const bool stale_;
+  std::vector<db::CalibrationRow> rows_;
+  bool mosaic_ = false;
+  int bits_ = 8;
+  calibration::ColourFilters filters_ = calibration::kOneColour;
+  int channels_ = 3;
+  std::vector<Ready> ready_;
+  Report report_;
+  std::set<db::RowId> told_;
+  std::vector<db::FrameCalibrationRow> bindings_;
+  std::optional<calibration::NoiseModels> noise_;
+};
+
+}  // namespace patina::workflow
