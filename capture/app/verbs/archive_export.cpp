@@ -9,7 +9,7 @@ namespace {
 
 struct Options {
   std::string preset = "utc", run, out;
-  bool link = false;
+  bool link = false, xmp = false;
 };
 
 void exportRun(Context& context, const Options& options) {
@@ -17,8 +17,9 @@ void exportRun(Context& context, const Options& options) {
     throw AppError(Exit::kUsage,
                    "there is no preset '" + options.preset + "'; this build has: utc");
   const db::ArchiveReader reader(context.archive());
-  const workflow::ExportReport report = workflow::exportFrames(
-      reader, reader.findRun(options.run).id, options.out, {options.link}, context.progress);
+  const workflow::ExportReport report =
+      workflow::exportFrames(reader, reader.findRun(options.run).id, options.out,
+                             {options.link, options.xmp}, context.progress);
   Item item;
   item.set("run_id", report.run_id.c_str())
       .set("path", options.out.c_str())
@@ -47,6 +48,7 @@ void addArchiveExport(Verb archive) {
       .required("RUN", o->run, "A run's id, a prefix of one, or latest")
       .required("OUT", o->out, "A new folder, or one of an earlier export of this run: it goes on")
       .option("--preset", o->preset, "NAME", "utc: one folder, names that sort by time")
+      .flag("--xmp", o->xmp, "Also sidecars name.ext.xmp, for programs that read them")
       .flag("--link", o->link,
             "Hard links instead of copies where possible; both names become read-only");
 }

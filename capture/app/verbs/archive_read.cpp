@@ -4,6 +4,7 @@
 
 #include "capture/app/context.h"
 #include "capture/app/verbs/archive_verbs.h"
+#include "capture/workflow/product_calibrations.h"
 #include "capture/workflow/products.h"
 #include "db/archive.h"
 
@@ -83,6 +84,7 @@ Item productItem(const db::ArchiveReader& reader, const db::ProductRow& product)
       .set("sha256", product.sha256.c_str())
       .set("created_utc_ns", product.created_utc)
       .set("metadata_json", product.metadata_json.c_str())
+      .set("calibrations", Value{workflow::textsOf(workflow::calibrationsOf(reader, product))})
       .set("inputs", product.input_sha256s.size())
       .hidden("input_sha256s", Value{product.input_sha256s});
   return item;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// patina calibrate dark | bias | flat: a master from a stack of pictures, kept in the archive.
+// patina calibrate dark | bias | flat | dark-flat: a master from a stack of pictures, kept in the
+// archive.
 #include "capture/app/context.h"
 #include "capture/app/verbs/calibrate_verbs.h"
 #include "capture/app/verbs/verbs.h"
@@ -46,7 +47,7 @@ void calibrate(Context& context, Options& options) {
 
 void addKind(Verb& group, const std::string& kind, const std::string& help) {
   auto o = std::make_shared<Options>();
-  o->request.kind = kind;
+  o->request.kind = kind == "dark-flat" ? "dark_flat" : kind;
   workflow::MasterRequest& r = o->request;
   group
       .verb(kind, help, "patina calibrate " + kind + " " + kind + "s/ --camera cam0 --archive ivy",
@@ -86,6 +87,12 @@ void addCalibrateVerbs(Verb root) {
   addCalibrateLens(group);
   addCalibrateVignetting(group);
   addCalibrateView(group);
+  addKind(group, "flat",
+          "Pictures of an even white surface, exposed as the frames are: dim the light instead");
+  addKind(group, "dark-flat", "Pictures with the shutter closed, exposed as the flats are");
+  addCalibrateDefects(group);
+  addCalibrateNoise(group);
+  addCalibrateResponse(group);
 }
 
 }  // namespace patina::app

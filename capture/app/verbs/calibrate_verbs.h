@@ -16,6 +16,9 @@ void addCalibrateLights(Verb& group);
 void addCalibrateLens(Verb& group);
 void addCalibrateVignetting(Verb& group);
 void addCalibrateView(Verb& group);
+void addCalibrateDefects(Verb& group);
+void addCalibrateNoise(Verb& group);
+void addCalibrateResponse(Verb& group);
 
 // --target X,Y,W,H, given any number of times: such lists arrive without their commas.
 std::vector<RectPx> parseTargets(const std::vector<std::string>& numbers);

@@ -7,6 +7,8 @@
 #include "capture/app/verbs/ttf_verbs.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/workflow/pictures.h"
+#include "capture/workflow/product_calibrations.h"
+#include "capture/workflow/products.h"
 #include "processing/image/picture_file.h"
 #include "processing/ttf/ttf_file.h"
 
@@ -63,6 +65,13 @@ void info(Context& context, const std::string& in) {
                      "there is no file " + in + "; for one of an archive give --archive DIR too");
     file = workflow::findTtf(db::ArchiveReader(context.archive()), in).path;
   }
+  std::vector<std::string> calibrations;
+  if (!context.options.archive.empty()) {
+    const db::ArchiveReader archive(context.archive());
+    for (const db::ProductRow& product : archive.products("ttf"))
+      if (workflow::pathOfProduct(archive.folder(), product) == file)
+        calibrations = workflow::textsOf(workflow::calibrationsOf(archive, product));
+  }
   const ttf::TtfReader reader(file);
   const ttf::TtfInfo& info = reader.info();
   const char* types[] = {"u16", "f16", "f32"};
@@ -81,6 +90,7 @@ void info(Context& context, const std::string& in) {
                                 .set("t0_utc_ns", info.t0_utc)
                                 .set("first_s", Value{first})
                                 .set("last_s", Value{last})
+                                .set("calibrations", Value{calibrations})
                                 .set("provenance_json", info.provenance_json.c_str())));
 }
 

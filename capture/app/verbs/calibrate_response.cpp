@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// patina calibrate response: which light each code of an 8-bit camera stands for.
+#include <sstream>
+
+#include "capture/app/context.h"
+#include "capture/app/verbs/calibrate_verbs.h"
+#include "capture/workflow/response_calibration.h"
+
+namespace patina::app {
+namespace {
+
+struct Options {
+  workflow::ResponseRequest request;
+  std::string folder, method = "robertson";
+};
+
+std::vector<double> parseTimes(const std::string& text) {
+  std::vector<double> times_s;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');)
+    times_s.push_back(toSeconds(parseExposure(part)));
+  return times_s;
+}
+
+void measure(Context& context, Options& options) {
+  workflow::ResponseRequest& request = options.request;
+  request.folder = options.folder;
+  if (options.method == "debevec")
+    request.options.method = calibration::ResponseMethod::kDebevecMalik;
+  else if (options.method != "robertson")
+    throw AppError(Exit::kUsage, "--method is robertson or debevec, not " + options.method);
+  request.command = "patina calibrate response";
+  request.version = PATINA_VERSION;
+  const workflow::ResponseOutcome outcome = workflow::makeResponse(
+      context.options.archive, request, context.clock.utc(), context.progress);
+  if (!outcome.kept) context.warn("not kept: give --archive DIR to keep it");
+  const calibration::ResponseReport& report = outcome.response.report;
+  context.out.asList();
+  Item item;
+  if (outcome.kept)
+    item.set("id", std::int64_t{outcome.kept->row.id}).set("path", outcome.kept->path.c_str());
+  std::vector<std::string> curve;
+  for (const float light : outcome.response.curve.light[1]) curve.push_back(std::to_string(light));
+  item.set("exposures", report.exposures)
+      .set("ratio", Value{report.ratio})
+      .set("residual", Value{report.residual})
+      .set("codes_seen", report.codes_seen[0])
+      .set("block_pairs", report.block_pairs)
+      .set("fall_mended", Value{report.fall_mended})
+      .hidden("green", Value{curve});
+  context.out.add(std::move(item));
+}
+
+}  // namespace
+
+void addCalibrateResponse(Verb& group) {
+  auto o = std::make_shared<Options>();
+  group
+      .verb("response", "The response curve of an 8-bit camera from brackets of a still scene",
+            "patina calibrate response brackets/ --times 1/200,1/100,1/50,1/25 --camera cam0 "
+            "--archive ivy",
+            [o](Context& context) { measure(context, *o); })
+      .required("FOLDER", o->folder, "Pictures that differ in exposure alone")
+      .option("--times", o->request.exposures_s, parseTimes, "LIST",
+              "Their exposures in order of name (default: as their EXIF data say)")
+      .option("--method", o->method, "NAME", "robertson (the default) or debevec")
+      .option("--block", o->request.options.block_px, 0, 64,
+              "Side in pixels of the even blocks that refine it; 0: not at all")
+      .option("--camera", o->request.camera, "ID", "The camera they were taken with");
+}
+
+}  // namespace patina::app
