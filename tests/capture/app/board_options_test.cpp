@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
+#include "tests/capture/app/json_answer.h"
 #include "tests/capture/workflow/drawn_board.h"
 #include "tests/support/child.h"
 
@@ -26,8 +27,12 @@ class BoardOptions : public ::testing::Test {
 };
 
 TEST_F(BoardOptions, TakeSquaresInMillimetresAndCentimetres) {
-  EXPECT_THAT(view({"--board", "7x5", "--square", "5mm"}).out, HasSubstr("camera z mm      69."));
-  EXPECT_THAT(view({"--board", "7x5", "--square", "2cm"}).out, HasSubstr("camera z mm      279."));
+  const auto height_mm = [this](const std::string& square) {
+    return answerOf(view({"--board", "7x5", "--square", square, "--json"}))
+        .number("/items/0/camera_z_mm");
+  };
+  EXPECT_NEAR(height_mm("5mm"), 70, 0.7);
+  EXPECT_NEAR(height_mm("2cm"), 280, 2.8);
   EXPECT_EQ(view({"--board", "7x5", "--square", "5in"}).exit, 64);
   EXPECT_EQ(view({"--board", "7x5", "--square", "0"}).exit, 64);
 }

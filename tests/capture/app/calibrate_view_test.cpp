@@ -32,8 +32,10 @@ TEST_F(CalibrateView, KeepsAViewByWhichTheNextTextureIsRectified) {
                                   "--lens", lens(), "--camera", "cam0"});
   EXPECT_NEAR(view.number("/items/0/camera_z_mm"), 85 * std::cos(0.1), 1);
   EXPECT_NEAR(view.number("/items/0/tilt_deg"), 5.7, 0.7);
-  const JsonAnswer built =
-      answer({"ttf", "build", "--rectify", "--region", "-15,-12,30,20", "--texels-per-mm", "2"});
+  // The run was rehearsed in another year than the picture is of.
+  EXPECT_EQ(patina({"ttf", "build", "--rectify"}).exit, 65);
+  const JsonAnswer built = answer({"ttf", "build", "--rectify", "--stale-calibration", "--region",
+                                   "-15,-12,30,20", "--texels-per-mm", "2"});
   EXPECT_EQ(built.number("/items/0/width_px"), 60);
   EXPECT_EQ(built.number("/items/0/height_px"), 40);
   EXPECT_EQ(built.number("/items/0/mm_per_texel"), 0.5);
