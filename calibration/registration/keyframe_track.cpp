@@ -53,10 +53,10 @@ void KeyframeTrack::renew(ImageView<const float> frame, const Motion& frame_from
 Alignment KeyframeTrack::against(const Keyframe& key, ImageView<const float> frame,
                                  const Motion& start, bool search, Progress& progress) const {
   AlignOptions options = options_.align;
-  options.start = product(start, inverse(key.from_reference));
+  options.start = chained(start, inverse(key.from_reference));
   options.search = search;
   Alignment found = align(frame, key.picture, options, progress);
-  found.frame_from_reference = product(found.frame_from_reference, key.from_reference);
+  found.frame_from_reference = chained(found.frame_from_reference, key.from_reference);
   return found;
 }
 

@@ -40,7 +40,7 @@ PlacePx moved(const Motion& m, PlacePx p) {
   return {(m[0] * p.x + m[1] * p.y + m[2]) / w, (m[3] * p.x + m[4] * p.y + m[5]) / w};
 }
 
-Motion product(const Motion& second, const Motion& first) {
+Motion chained(const Motion& second, const Motion& first) {
   Motion out{};
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t column = 0; column < 3; ++column)
@@ -66,12 +66,12 @@ Motion shift(double x_px, double y_px) { return {1, 0, x_px, 0, 1, y_px, 0, 0, 1
 
 Motion atLevel(const Motion& motion, int level) {
   const Motion up = fineFromCoarse(level);
-  return product(inverse(up), product(motion, up));
+  return chained(inverse(up), chained(motion, up));
 }
 
 Motion fromLevel(const Motion& motion, int level) {
   const Motion up = fineFromCoarse(level);
-  return product(up, product(motion, inverse(up)));
+  return chained(up, chained(motion, inverse(up)));
 }
 
 double cornersApart(const Motion& a, const Motion& b, SizePx size) {

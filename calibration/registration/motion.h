@@ -21,7 +21,7 @@ const char* name(MotionModel model);
 MotionModel parseMotionModel(const std::string& name);  // CalibrationError(kUsage) names them all
 
 PlacePx moved(const Motion& motion, PlacePx place);
-Motion product(const Motion& second, const Motion& first);
+Motion chained(const Motion& second, const Motion& first);
 Motion inverse(const Motion& motion);  // PATINA_CHECKs that there is one
 Motion shift(double x_px, double y_px);
 

@@ -65,7 +65,7 @@ void PoseTrack::noteJump(const Motion& now, EpochCause cause, const FramePose& p
   const Motion& before = cause == EpochCause::kSpecimen ? own_ : camera_;
   const double jump = cornersApart(now, before, size);
   if (jump <= std::max(options_.bump_px, kSigmas * pose.uncertainty_px)) return;
-  if (cause == EpochCause::kSpecimen) kept_ = product(product(now, inverse(own_)), kept_);
+  if (cause == EpochCause::kSpecimen) kept_ = chained(chained(now, inverse(own_)), kept_);
   epochs_.push_back({pose.frame, cause, jump, kNoMotion});
 }
 
@@ -98,15 +98,15 @@ void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Prog
   const Alignment camera =
       outside_->add(frame, progress,
                     isTrusted(specimen.verdict)
-                        ? std::optional(product(specimen.frame_from_reference, inverse(own_)))
+                        ? std::optional(chained(specimen.frame_from_reference, inverse(own_)))
                         : std::nullopt);
   describe(camera, pose);
   pose.verdict = std::max(camera.verdict, specimen.verdict);
   if (specimen.verdict > camera.verdict) pose.covered_px = specimen.agreement.covered_px;
-  pose.frame_from_reference = product(camera.frame_from_reference, kept_);
+  pose.frame_from_reference = chained(camera.frame_from_reference, kept_);
   if (!isTrusted(camera.verdict)) return;
   if (specimen.verdict >= Verdict::kCovered && ++lost_in_a_row_ > kChangedAfter) {
-    specimen_->renew(frame, product(camera.frame_from_reference, own_));
+    specimen_->renew(frame, chained(camera.frame_from_reference, own_));
     pose.verdict = camera.verdict;
     lost_in_a_row_ = 0;
   }
@@ -116,16 +116,16 @@ void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Prog
   camera_ = camera.frame_from_reference;
   FramePose by_specimen = pose;
   by_specimen.uncertainty_px = std::max(pose.uncertainty_px, specimen.agreement.uncertainty_px);
-  const Motion own = product(inverse(camera_), specimen.frame_from_reference);
+  const Motion own = chained(inverse(camera_), specimen.frame_from_reference);
   const bool jumps = cornersApart(own, own_, frame.size()) > options_.bump_px;
   if (jumps && specimen.agreement.zncc < kSureZncc) {  // it has changed; that it moved is a guess
-    specimen_->renew(frame, product(camera_, own_));
-    pose.frame_from_reference = product(camera_, kept_);
+    specimen_->renew(frame, chained(camera_, own_));
+    pose.frame_from_reference = chained(camera_, kept_);
     return;
   }
   noteJump(own, EpochCause::kSpecimen, by_specimen, frame.size());
   own_ = own;
-  pose.frame_from_reference = product(camera_, kept_);
+  pose.frame_from_reference = chained(camera_, kept_);
 }
 
 }  // namespace patina::calibration

@@ -35,7 +35,7 @@ Image<float> surface(int side, const Motion& motion, std::uint64_t seed) {
   }
   const Motion back = inverse(motion);
   Image<float> seen =
-      warpBilinear(out.view(), product(shift(kBeyond, kBeyond), back), {side, side}, 0.3f);
+      warpBilinear(out.view(), chained(shift(kBeyond, kBeyond), back), {side, side}, 0.3f);
   for (std::size_t k = 0; k < seen.texels().size(); ++k)
     seen.texels()[k] =
         std::max(0.0f, seen.texels()[k] + 0.004f * static_cast<float>(gaussian(hashSeed(seed, k))));

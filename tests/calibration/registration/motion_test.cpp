@@ -11,8 +11,8 @@ namespace {
 constexpr Motion kSome{1.1, -0.2, 7, 0.3, 0.9, -4, 1e-4, -2e-4, 1};
 
 TEST(Motion, TimesItsInverseIsNone) {
-  EXPECT_LT(cornersApart(product(inverse(kSome), kSome), kNoMotion, {640, 480}), 1e-9);
-  EXPECT_LT(cornersApart(product(kSome, inverse(kSome)), kNoMotion, {640, 480}), 1e-9);
+  EXPECT_LT(cornersApart(chained(inverse(kSome), kSome), kNoMotion, {640, 480}), 1e-9);
+  EXPECT_LT(cornersApart(chained(kSome, inverse(kSome)), kNoMotion, {640, 480}), 1e-9);
 }
 
 TEST(Motion, IsSeenInASmallerPictureAtTheMeansOfItsPixels) {
