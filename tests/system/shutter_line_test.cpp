@@ -141,7 +141,7 @@ TEST_F(SessionOnBodies, ALineThatFailsCostsAnAttemptAndNoStep) {
   const auto step = reader.step(run_id_, 0);
   EXPECT_GT(step->retries, 0);
   EXPECT_EQ(body.camera.truth().shutter_count, 2u);
-  const auto verdict = judge(folder_ / "archive", run_id_, body.camera.truth(), {}, 20ms);
+  const auto verdict = judge(folder_ / "archive", {run_id_}, body.camera.truth(), {}, 20ms);
   EXPECT_THAT(verdict.broken, ::testing::IsEmpty());
 }
 
@@ -161,7 +161,7 @@ TEST_F(SessionOnBodies, APairOfWhichOneFileIsMissingIsNoFrameAndIsShotAgain) {
       EXPECT_EQ(frames[i].ext, frames[i].file_index == 0 ? "dng" : "jpg");
   }
   EXPECT_GE(summary_.last.captured, 2);
-  EXPECT_THAT(judge(folder_ / "archive", run_id_, body.camera.truth(), {"key", "fill"}, 1ms).broken,
+  EXPECT_THAT(judge(folder_ / "archive", {run_id_}, body.camera.truth(), {"key", "fill"}, 1ms).broken,
               ::testing::IsEmpty());
 }
 

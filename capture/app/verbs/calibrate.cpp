@@ -79,7 +79,9 @@ void addCalibrateVerbs(Verb root) {
                           "the originals, never new pixels");
   addKind(group, "dark", "Pictures with the shutter closed, exposed as the frames are");
   addKind(group, "bias", "Pictures with the shutter closed, exposed as short as can be");
-  addKind(group, "flat", "Pictures of an even white surface");
+  addKind(group, "flat",
+          "Pictures of an even white surface, exposed as the frames are: dim the light instead");
+  addKind(group, "dark-flat", "Pictures with the shutter closed, exposed as the flats are");
   addCalibrateColour(group);
   addCalibrateLights(group);
   addCalibrateGainField(group);
@@ -87,9 +89,6 @@ void addCalibrateVerbs(Verb root) {
   addCalibrateLens(group);
   addCalibrateVignetting(group);
   addCalibrateView(group);
-  addKind(group, "flat",
-          "Pictures of an even white surface, exposed as the frames are: dim the light instead");
-  addKind(group, "dark-flat", "Pictures with the shutter closed, exposed as the flats are");
   addCalibrateDefects(group);
   addCalibrateNoise(group);
   addCalibrateResponse(group);
