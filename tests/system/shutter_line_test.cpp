@@ -161,8 +161,9 @@ TEST_F(SessionOnBodies, APairOfWhichOneFileIsMissingIsNoFrameAndIsShotAgain) {
       EXPECT_EQ(frames[i].ext, frames[i].file_index == 0 ? "dng" : "jpg");
   }
   EXPECT_GE(summary_.last.captured, 2);
-  EXPECT_THAT(judge(folder_ / "archive", {run_id_}, body.camera.truth(), {"key", "fill"}, 1ms).broken,
-              ::testing::IsEmpty());
+  EXPECT_THAT(
+      judge(folder_ / "archive", {run_id_}, body.camera.truth(), {"key", "fill"}, 1ms).broken,
+      ::testing::IsEmpty());
 }
 
 }  // namespace
