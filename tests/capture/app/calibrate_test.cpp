@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include "processing/image/picture_file.h"
-#include "tests/capture/app/raw_pictures.h"
 #include "tests/capture/app/rehearsed.h"
 
 namespace patina::testing {
@@ -11,9 +10,12 @@ namespace {
 class Calibrate : public Rehearsed {};
 
 TEST_F(Calibrate, KeepsADarkThatTheNextTextureUses) {
+  std::filesystem::create_directories(place("darks"));
   for (int i = 0; i < 4; ++i)
-    plantRaw(place("darks/" + std::to_string(i) + ".dng"), 0, static_cast<std::uint64_t>(i));
-  const JsonAnswer dark = answer({"calibrate", "dark", place("darks"), "--camera", "cam0"});
+    writePng(place("darks/" + std::to_string(i) + ".png"),
+             Image<std::uint8_t>(128, 128, 3, static_cast<std::uint8_t>(2 + i % 2)).view());
+  const JsonAnswer dark = answer({"calibrate", "dark", place("darks"), "--camera", "cam0",
+                                  "--exposure-time", "1/50", "--iso", "100"});
   EXPECT_EQ(dark.number("/items/0/frames"), 4);
   EXPECT_TRUE(std::filesystem::exists(dark.text("/items/0/path")));
   const JsonAnswer built =
