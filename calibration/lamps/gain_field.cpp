@@ -92,7 +92,7 @@ double valueAt(const std::vector<double>& k, const Block& block, int degree) {
 
 void checkTarget(const std::vector<Block>& blocks, int channels, const FieldOptions& options,
                  FieldReport& report) {
-  if (blocks.size() < static_cast<std::size_t>(4 * termsOf(options.degree)))
+  if (static_cast<int>(blocks.size()) < 4 * termsOf(options.degree))
     throw CalibrationError(Exit::kBadData, "the target is too small in the picture for a field");
   double u0 = 1, u1 = -1, v0 = 1, v1 = -1;
   for (const Block& b : blocks) {

@@ -37,7 +37,7 @@ Image<float> greyOf(ImageView<const float> linear);
 
 // Nothing where the board is not seen: a chessboard must be seen whole, of a ChArUco board at least
 // six corners. Corners are refined on linear light behind a blur of 1 px, in a window of a third of
-// a square (cornerSubPix): on sharp boards that is three times closer than on the picture as coded.
+// a square (cornerSubPix): on sharp boards that is closer than on the picture as coded.
 // What the quick finder misses is tried with the thorough one (findChessboardCornersSB). A grid
 // that is bent by more than a sixth of a square is none. Thread-safe. 10 ms to 0.3 s a megapixel.
 std::optional<BoardSight> findBoard(ImageView<const float> grey, const BoardSpec& board);

@@ -95,7 +95,8 @@ void putBanding(PatchLevel& out, const std::vector<double>& rows) {
     }
   }
   // Of noise, every power is exponential about the same mean.
-  const double others = (power - strongest) / (static_cast<double>(n / 2) - 2);
+  const auto half = n / 2;
+  const double others = (power - strongest) / (static_cast<double>(half) - 2);
   if (!(strongest > kBandingOverNoise * others)) return;
   out.banding = 2 * std::sqrt(strongest) / static_cast<double>(n);
   out.banding_rows = static_cast<double>(n) / cycles;

@@ -12,7 +12,8 @@ using ColourFilters = std::array<std::uint8_t, 4>;  // of the cell, row by row; 
 constexpr ColourFilters kOneColour{0, 0, 0, 0};     // grey; also what pictures in colour give
 
 inline int colourAt(const ColourFilters& filters, int x, int y) {
-  return filters[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+  const int cell = (y & 1) * 2 + (x & 1);
+  return filters[static_cast<std::size_t>(cell)];
 }
 
 }  // namespace patina::calibration

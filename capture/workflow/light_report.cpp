@@ -119,9 +119,9 @@ void sayCharts(const LightReport& report, std::vector<std::string>& say) {
     std::size_t named = 0;
     for (const ToldStep& told : one.charts.told)
       if (++named <= kNamedMost)
-        when += (when.empty() ? "" : ", ") +
-                (told.step == 0 ? std::string("flicker from ") : percent(told.step) + " at ") +
-                minuteOf(told.utc);
+        when.append(when.empty() ? "" : ", ")
+            .append(told.step == 0 ? std::string("flicker from ") : percent(told.step) + " at ")
+            .append(minuteOf(told.utc));
     if (named > kNamedMost) when += " and " + std::to_string(named - kNamedMost) + " more";
     if (named > 0) say.push_back(who + " changed at once, not by drift: " + when + ".");
     const calibration::WarmUp& warm = one.charts.warm_up;

@@ -24,9 +24,9 @@ db::RowId newerThan(const db::CalibrationRow& used, const std::vector<db::Calibr
 }  // namespace
 
 std::string UsedCalibration::text() const {
-  const std::string name = row.kind + " " + std::to_string(row.id);
-  if (newer == 0) return name;
-  return name + " (" + row.kind + " " + std::to_string(newer) + " is newer: build again)";
+  std::string text = row.kind + " " + std::to_string(row.id);
+  if (newer != 0) text += " (" + row.kind + " " + std::to_string(newer) + " is newer: build again)";
+  return text;
 }
 
 std::vector<UsedCalibration> calibrationsOf(const db::ArchiveReader& reader,

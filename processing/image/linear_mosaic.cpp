@@ -11,7 +11,8 @@ namespace {
 float meanNear(ImageView<const float> in, const std::array<std::uint8_t, 4>& cfa, int x, int y,
                int colour) {
   const auto colourAt = [&](int px, int py) {
-    return cfa[static_cast<std::size_t>((py & 1) * 2 + (px & 1))];
+    const int cell = (py & 1) * 2 + (px & 1);
+    return cfa[static_cast<std::size_t>(cell)];
   };
   if (colourAt(x, y) == colour) return in.at(x, y);
   float sum = 0;
