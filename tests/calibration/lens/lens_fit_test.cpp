@@ -29,11 +29,13 @@ std::vector<BoardSight> sightsOfChessboards(const std::filesystem::path& folder,
 }
 
 // A perfect camera's sight of a 9x6 board, turned by angles in radians.
-BoardSight idealSight(const Lens& lens, cv::Vec3d turn, cv::Vec3d at, double noise_px = 0) {
+BoardSight idealSight(const Lens& lens, const cv::Vec3d& turn, const cv::Vec3d& at,
+                      double noise_px = 0) {
   BoardSight sight;
   std::vector<cv::Point3d> board;
   for (int i = 0; i < 54; ++i) {
-    sight.board_mm.push_back({5.0 * (i % 9 - 4), 5.0 * (i / 9 - 2.5), 0});
+    const int column = i % 9, row = i / 9;
+    sight.board_mm.push_back({5.0 * (column - 4), 5.0 * (row - 2.5), 0});
     board.emplace_back(sight.board_mm.back().x, sight.board_mm.back().y, 0);
   }
   std::vector<cv::Point2d> seen;

@@ -25,8 +25,8 @@ View slanted() {
 }
 PlaneSight sightOf(const View& view) {
   PlaneSight sight;
-  for (int i = 0; i < 30; ++i)
-    sight.plane_mm.push_back({15.0 * (i % 6) - 20, 12.0 * (i / 6) - 30, 0});
+  for (int i = 0; i < 30; ++i) const int column = i % 6, row = i / 6;
+  sight.plane_mm.push_back({15.0 * column - 20, 12.0 * row - 30, 0});
   sight.seen_px = project(kLens, view, sight.plane_mm);
   return sight;
 }
@@ -79,7 +79,8 @@ TEST(PlaneOf, TurnsABoardSoThatXRunsRightAndYUpWhicheverEndWasFoundFirst) {
     BoardSight sight;
     const double c = std::cos(turn * M_PI / 2 + 0.2), s = std::sin(turn * M_PI / 2 + 0.2);
     for (int i = 0; i < 12; ++i) {
-      const double x = i % 4 - 1.5, y = i / 4 - 1.0;
+      const int column = i % 4, row = i / 4;
+      const double x = column - 1.5, y = row - 1.0;
       sight.board_mm.push_back({x, y, 0});
       sight.seen_px.push_back({300 + 20 * (c * x - s * y), 200 + 20 * (s * x + c * y)});
     }

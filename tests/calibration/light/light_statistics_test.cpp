@@ -61,8 +61,8 @@ TEST(MeasurePatch, FindsBandsInAMosaicAndTakesNoGradientForOne) {
   const auto fill = [&](double banding, double gradient) {
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
-        const double noise =
-            1 + 0.01 * gaussian(hashSeed(3, static_cast<std::uint64_t>(64 * y + x)));
+        const double noise = 1 + 0.01 * gaussian(hashSeed(3, 64 * static_cast<std::uint64_t>(y) +
+                                                                 static_cast<std::uint64_t>(x)));
         const double level = 1 + banding * std::sin(2 * M_PI * y / 16.0) + gradient * y / 64;
         mosaic.at(x, y) = static_cast<std::uint16_t>(64 + 1000 * noise * level);
       }

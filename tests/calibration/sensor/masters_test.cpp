@@ -39,7 +39,7 @@ double darkTruth(int x, int y, int c) { return 0.01 + 1e-5 * x + 2e-5 * y + 0.00
 
 // Light falls off to 70 % in the corners, and each texel responds a little differently.
 double flatTruth(int x, int y, int c) {
-  const double u = (x - kWidth / 2.0) / (kWidth / 2), v = (y - kHeight / 2.0) / (kHeight / 2);
+  const double u = (x - kWidth / 2.0) / (kWidth / 2.0), v = (y - kHeight / 2.0) / (kHeight / 2.0);
   return (1 - 0.15 * (u * u + v * v)) * (1 + 0.008 * gaussian(hashSeed(9, x, y, c)));
 }
 
@@ -127,7 +127,7 @@ TEST(StackFlat, IsOneOnAverageInTheMiddleOfEachChannel) {
     double sum = 0;
     for (int y = kHeight / 4; y < kHeight * 3 / 4; ++y)
       for (int x = kWidth / 4; x < kWidth * 3 / 4; ++x) sum += m.image.at(x, y, c);
-    EXPECT_NEAR(sum / (kWidth * kHeight / 4), 1, 1e-5);
+    EXPECT_NEAR(sum / (kWidth * kHeight / 4.0), 1, 1e-5);
   }
 }
 

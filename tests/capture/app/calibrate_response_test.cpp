@@ -22,7 +22,8 @@ TEST_F(CalibrateResponse, AsksForTimesAndRefusesWhatAreNoBrackets) {
   }
   EXPECT_EQ(patina({"calibrate", "response", place("b"), "--camera", "cam0"}).exit, 64);
   EXPECT_EQ(
-      patina({"calibrate", "response", place("b"), "--times", "1s,1s,1s,1s", "--camera", "cam0"}).exit,
+      patina({"calibrate", "response", place("b"), "--times", "1s,1s,1s,1s", "--camera", "cam0"})
+          .exit,
       65);
   const JsonAnswer response =
       answer({"calibrate", "response", place("b"), "--times", "1/4,1/2,1s,2s", "--camera", "cam0"});
