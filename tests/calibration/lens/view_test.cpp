@@ -25,8 +25,10 @@ View slanted() {
 }
 PlaneSight sightOf(const View& view) {
   PlaneSight sight;
-  for (int i = 0; i < 30; ++i) const int column = i % 6, row = i / 6;
-  sight.plane_mm.push_back({15.0 * column - 20, 12.0 * row - 30, 0});
+  for (int i = 0; i < 30; ++i) {
+    const int column = i % 6, row = i / 6;
+    sight.plane_mm.push_back({15.0 * column - 20, 12.0 * row - 30, 0});
+  }
   sight.seen_px = project(kLens, view, sight.plane_mm);
   return sight;
 }

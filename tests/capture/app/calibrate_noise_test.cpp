@@ -10,9 +10,11 @@ namespace {
 class CalibrateNoise : public Rehearsed {};
 
 TEST_F(CalibrateNoise, MeasuresFoldersAndKeepsTheModel) {
-  for (int i = 0; i < 6; ++i)
-    plantRaw(place("flats/" + std::to_string(i) + ".dng"), 300 + 1000.0 * (i / 2),
+  for (int i = 0; i < 6; ++i) {
+    const int pair = i / 2;
+    plantRaw(place("flats/" + std::to_string(i) + ".dng"), 300 + 1000.0 * pair,
              static_cast<std::uint64_t>(i));
+  }
   for (int i = 0; i < 2; ++i)
     plantRaw(place("closed/" + std::to_string(i) + ".dng"), 0, 10 + static_cast<std::uint64_t>(i));
   const JsonAnswer noise = answer(

@@ -36,8 +36,9 @@ inline Image<float> drawBoard(const DrawnBoard& b) {
     for (int u = 0; u < b.size.width; ++u) {
       double sum = 0;
       for (int i = 0; i < kFine * kFine; ++i) {
-        const double dx = (u + (i % kFine + 0.5) / kFine - b.size.width / 2.0) / b.focal_px;
-        const double dy = (v + (i / kFine + 0.5) / kFine - b.size.height / 2.0) / b.focal_px;
+        const int column = i % kFine, row = i / kFine;
+        const double dx = (u + (column + 0.5) / kFine - b.size.width / 2.0) / b.focal_px;
+        const double dy = (v + (row + 0.5) / kFine - b.size.height / 2.0) / b.focal_px;
         const double along = (b.x * zx + b.y * zy + b.away * zz) / (dx * zx + dy * zy + zz);
         const double px = along * dx - b.x, py = along * dy - b.y, pz = along - b.away;
         const double at_x = px * xx + py * xy + pz * xz + b.columns / 2.0,
