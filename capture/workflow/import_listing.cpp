@@ -237,4 +237,15 @@ Listing listSource(const ListingOptions& options) {
   return listing;
 }
 
+std::vector<fs::path> picturesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && isPictureFile(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return naturalLess(a.string(), b.string());
+  });
+  if (files.empty()) throw WorkflowError(Exit::kBadData, "no picture lies in " + folder.string());
+  return files;
+}
+
 }  // namespace patina::workflow

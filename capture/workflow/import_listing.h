@@ -55,5 +55,8 @@ Listing listSource(const ListingOptions& options);
 
 bool isFilmFile(const std::filesystem::path& file);     // by its extension; GIF included
 bool isPictureFile(const std::filesystem::path& file);  // by its extension
+// Those of a folder, in natural order of their names. Throws WorkflowError(kBadData) when there is
+// none.
+std::vector<std::filesystem::path> picturesIn(const std::filesystem::path& folder);
 
 }  // namespace patina::workflow

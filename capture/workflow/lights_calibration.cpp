@@ -30,13 +30,7 @@ struct LitPictures {
 };
 
 LitPictures ofFolder(const fs::path& folder, UtcTime now) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && isPictureFile(entry.path())) files.push_back(entry.path());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return naturalLess(a.string(), b.string());
-  });
-  if (files.empty()) throw WorkflowError(Exit::kBadData, "no picture lies in " + folder.string());
+  const std::vector<fs::path> files = picturesIn(folder);
   LitPictures pictures;
   for (const fs::path& file : files) {
     pictures.names.push_back(file.filename().string());

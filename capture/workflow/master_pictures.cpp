@@ -5,7 +5,6 @@
 
 #include "capture/workflow/failure.h"
 #include "capture/workflow/import_listing.h"
-#include "capture/workflow/picture_times.h"
 #include "processing/image/sidecar_file.h"
 
 namespace patina::workflow {
@@ -22,17 +21,6 @@ void describe(const Bytes& file, PictureStack& stack) {
 }
 
 }  // namespace
-
-std::vector<fs::path> picturesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && isPictureFile(entry.path())) files.push_back(entry.path());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return naturalLess(a.string(), b.string());
-  });
-  if (files.empty()) throw WorkflowError(Exit::kBadData, "no picture lies in " + folder.string());
-  return files;
-}
 
 std::function<calibration::PictureSource()> PictureStack::open(
     const calibration::ResponseCurve* response) const {

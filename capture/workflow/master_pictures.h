@@ -13,9 +13,6 @@
 
 namespace patina::workflow {
 
-// In natural order of their names. Throws WorkflowError(kBadData) when there is none.
-std::vector<std::filesystem::path> picturesIn(const std::filesystem::path& folder);
-
 // Opened as often as they are asked for: nothing is kept in memory.
 struct PictureStack {
   std::vector<std::function<Bytes()>> files;

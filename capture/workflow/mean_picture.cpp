@@ -6,7 +6,6 @@
 
 #include "capture/workflow/failure.h"
 #include "capture/workflow/import_listing.h"
-#include "capture/workflow/picture_times.h"
 #include "processing/image/metadata_file.h"
 
 namespace patina::workflow {
@@ -35,14 +34,7 @@ void average(MeanPicture& mean, const Next& next, int most, Progress& progress) 
 }
 
 MeanPicture ofFolder(const MeanPictureRequest& request, UtcTime now, Progress& progress) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(request.folder))
-    if (entry.is_regular_file() && isPictureFile(entry.path())) files.push_back(entry.path());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return naturalLess(a.string(), b.string());
-  });
-  if (files.empty())
-    throw WorkflowError(Exit::kBadData, "no picture lies in " + request.folder.string());
+  std::vector<fs::path> files = picturesIn(request.folder);
   files.resize(std::min(files.size(), static_cast<std::size_t>(request.frames_most)));
   MeanPicture mean;
   for (const fs::path& file : files) mean.input_sha256s.push_back(sha256OfFile(file).hex());

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "capture/workflow/failure.h"
+#include "capture/workflow/import_listing.h"
 #include "capture/workflow/master_pictures.h"
 #include "processing/image/picture_file.h"
 #include "processing/image/sha256.h"

@@ -2,6 +2,7 @@
 #include "capture/workflow/response_calibration.h"
 
 #include "capture/workflow/failure.h"
+#include "capture/workflow/import_listing.h"
 #include "capture/workflow/master_pictures.h"
 #include "processing/image/encoding.h"
 #include "processing/image/picture_file.h"

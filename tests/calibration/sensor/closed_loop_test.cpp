@@ -279,7 +279,8 @@ TEST(ClosedLoop, EightBitsThroughAMeasuredResponseGiveTheLightOfEveryTileBack) {
       verdict.error_ratio, 100 * verdict.worst_tile_bias, 100 * verdict.worst_level_bias,
       verdict.worst_level, verdict.pixels, verdict.repaired, verdict.saturated);
   EXPECT_LE(verdict.worst_tile_bias, 0.002);
-  // Of single levels and of every pixel, no better than this is reached.
+  // Wanted are 1.1 and 0.2 %, as of raw files; no better than this is reached
+  // (docs/calibration.md).
   EXPECT_LE(verdict.error_ratio, 1.4);
   EXPECT_LE(verdict.worst_level_bias, 0.01);
 }

@@ -98,5 +98,14 @@ TEST_F(ImportListing, SaysWhatItCannotUse) {
   EXPECT_EQ(exitOf(options), Exit::kUsage);  // frames of a film have no names
 }
 
+TEST_F(ImportListing, ListsThePicturesOfAFolderAndNothingElse) {
+  EXPECT_THROW((void)picturesIn(folder_.path()), WorkflowError);
+  for (const char* name : {"b10.jpg", "b9.jpg", "notes.txt", "film.avi"}) plant(name);
+  const std::vector<std::filesystem::path> files = picturesIn(folder_.path());
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_EQ(files[0].filename(), "b9.jpg");
+  EXPECT_EQ(files[1].filename(), "b10.jpg");
+}
+
 }  // namespace
 }  // namespace patina::workflow

@@ -34,7 +34,8 @@ TEST(PictureStackOf, RawFilesIsAMosaicWithWhatTheySay) {
 
 TEST(PictureStackOf, AnEmptyFolderIsRefused) {
   const TempFolder folder = TempFolder::inMemory();
-  EXPECT_THROW((void)picturesIn(folder.path()), WorkflowError);
+  std::vector<std::string> notes;
+  EXPECT_THROW((void)stackOfFolder(folder.path(), testing::now(), notes), WorkflowError);
 }
 
 }  // namespace
