@@ -230,6 +230,8 @@ void writeSentences(LightReport& report) {
 
 }  // namespace
 
+bool isLevel(const LightSeriesReport& series) { return !series.source.starts_with("content:"); }
+
 bool isGoodVerdict(const std::string& verdict) {
   return verdict == "learn" || verdict == "pass" || verdict == "correct" || verdict == "measure";
 }
@@ -259,8 +261,7 @@ LightReport reportLight(const db::ArchiveReader& reader, const std::string& run_
     ++report.checks;
   }
   for (auto& [key, one] : series) {
-    if (!one.source.starts_with("content:"))
-      one.charts = chartSeries(one.taken, run.t0_utc, readings);
+    if (isLevel(one)) one.charts = chartSeries(one.taken, run.t0_utc, readings);
     report.series.push_back(std::move(one));
   }
   report.colours = chartColours(checks, run.t0_utc);

@@ -50,6 +50,8 @@ struct LightReport {
   std::vector<std::string> sentences;
 };
 
+// Of a patch or a sensor: its ratio is one of light. The tiles of a picture have none.
+bool isLevel(const LightSeriesReport& series);
 bool isGoodVerdict(const std::string& verdict);  // learn, pass, correct, measure
 // `stay_on`: the lamps that burn between shots, for their hours.
 LightReport reportLight(const db::ArchiveReader& reader, const std::string& run_id,

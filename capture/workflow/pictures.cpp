@@ -179,6 +179,7 @@ Image<std::uint8_t> drawLight(const LightReport& report) {
   for (const LightSeriesReport& series : report.series) lights.insert(series.light);
   std::map<std::string, render::ChartPoints> bad;
   for (const LightSeriesReport& series : report.series) {
+    if (!isLevel(series)) continue;
     const auto index = std::distance(lights.begin(), lights.find(series.light));
     render::ChartLine line;
     line.name = series.light;

@@ -87,5 +87,25 @@ TEST_F(Pictures, AChartOfNoLightSaysSoInsteadOfFailing) {
   EXPECT_FALSE(drawLight(report).empty());
 }
 
+TEST_F(Pictures, AChartOfLightShowsLevelsAndNotThePicturesTiles) {
+  LightReport report;
+  report.run_id = "lit";
+  LightSeriesReport patch;
+  patch.light = "key";
+  patch.source = "patch:cam0";
+  patch.time_s = {0, 60, 120};
+  patch.ratio = {1, 1.01, 1};
+  patch.verdict = {"pass", "pass", "pass"};
+  report.series = {patch};
+  const auto levels = drawLight(report).texels();
+  LightSeriesReport tiles = patch;
+  tiles.source = "content:cam0";
+  tiles.ratio = {0.7, 0.9, 1.3};
+  report.series.push_back(tiles);
+  EXPECT_EQ(drawLight(report).texels(), levels);
+  report.series.back().source = "sensor:lux0";
+  EXPECT_NE(drawLight(report).texels(), levels);
+}
+
 }  // namespace
 }  // namespace patina::workflow
