@@ -112,18 +112,22 @@ std::string spellSentence(const BadSpell& spell) {
          (spell.verdict == "fail" ? "refused." : "held.");
 }
 
+std::string toldOf(const ToldStep& told) {
+  std::string text = told.step == 0 ? std::string("flicker from ") : percent(told.step) + " at ";
+  text += minuteOf(told.utc);
+  return text;
+}
+
 void sayCharts(const LightReport& report, std::vector<std::string>& say) {
   for (const LightSeriesReport& one : report.series) {
     const std::string who = one.light + " (" + one.source + " " + one.channel + ")";
     std::string when;
     std::size_t named = 0;
     for (const ToldStep& told : one.charts.told)
-      if (++named <= kNamedMost)
-        when.append(when.empty() ? "" : ", ")
-            .append(told.step == 0 ? std::string("flicker from ") : percent(told.step) + " at ")
-            .append(minuteOf(told.utc));
+      if (++named <= kNamedMost) when.append(when.empty() ? "" : ", ").append(toldOf(told));
     if (named > kNamedMost) when += " and " + std::to_string(named - kNamedMost) + " more";
-    if (named > 0) say.push_back(who + " changed at once, not by drift: " + when + ".");
+    if (named > 0)
+      say.push_back(std::string(who).append(" changed at once, not by drift: ").append(when) + ".");
     const calibration::WarmUp& warm = one.charts.warm_up;
     if (warm.found && std::abs(warm.missing) > kWarmUpTold &&
         (one.channel == "g" || one.channel == "y")) {
