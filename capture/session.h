@@ -46,9 +46,11 @@ void countStep(const db::StepRow& row, SessionStatus& status);  // a step that i
 struct SessionHooks {
   std::function<void(const SessionStatus&)> on_status;
   std::function<void(const db::FrameRow&)> on_acknowledged;  // after the promise
-  std::function<void(const AlertNews&)> on_alert;            // what a person should know
-  std::function<void(const db::ShotRow&)> on_shot;           // settled: captured or failed
-  std::function<void(const db::StepRow&)> on_step;           // decided
+  // After it, where the driver's process made a small JPEG of the frame: so far a stranger's bytes.
+  std::function<void(const Sha256&, const Bytes& thumbnail)> on_thumbnail;
+  std::function<void(const AlertNews&)> on_alert;   // what a person should know
+  std::function<void(const db::ShotRow&)> on_shot;  // settled: captured or failed
+  std::function<void(const db::StepRow&)> on_step;  // decided
   std::function<void(std::span<const db::LightCheckRow>)> on_light;
   std::function<void(const db::EventRow&)> on_event;  // written
   std::function<void()> on_alive;  // at every turn of its loops: at least once a shot, or 15 s

@@ -279,6 +279,10 @@ void StepRunner::accept(Attempt& a, Group& group, std::span<const db::LightCheck
     log_.frame(a.shot, row);
     if (hooks_.on_acknowledged) hooks_.on_acknowledged(row);
   }
+  if (hooks_.on_thumbnail)
+    for (const CheckedFrame& f : a.check().frames)
+      if (f.frame->seen && !f.frame->seen->thumbnail.empty())
+        hooks_.on_thumbnail(f.sha256, f.frame->seen->thumbnail);
 
   a.unit->succeeded();
   alerts_.acknowledged(moment());

@@ -8,7 +8,6 @@
 namespace patina::devices::host {
 
 Seen see(std::span<const std::byte> file) {
-  constexpr int kThumbnailPx = 256;
   Seen seen;
   try {
     const Picture picture = decodePicture(file);

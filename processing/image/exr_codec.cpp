@@ -50,6 +50,39 @@ class MemoryOutput final : public Imf::OStream {
   std::uint64_t at_ = 0;
 };
 
+// OpenEXR makes room for an attribute as long as it says it is, whatever the file's length: so
+// every attribute of every part (magic, version, then name, type and length each, an empty name at
+// the end) has to lie within the file.
+void refuseAttributesBeyond(std::span<const std::byte> file) {
+  constexpr std::uint32_t kMultipart = 0x1000;
+  std::size_t at = 4;
+  const auto number = [&] {
+    if (file.size() - at < 4) throw std::runtime_error("its header ends early");
+    std::uint32_t value = 0;
+    std::memcpy(&value, file.data() + at, 4);
+    at += 4;
+    return value;
+  };
+  const auto skipText = [&] {
+    const std::size_t begin = at;
+    while (at < file.size() && file[at] != std::byte{0}) ++at;
+    if (at == file.size()) throw std::runtime_error("its header ends early");
+    return at++ - begin;
+  };
+  const bool several = (number() & kMultipart) != 0;
+  for (bool any = true; any;) {
+    any = false;
+    while (skipText() > 0) {
+      any = several;
+      skipText();
+      const std::uint32_t length = number();
+      if (length > file.size() - at)
+        throw std::runtime_error("an attribute is longer than the file");
+      at += length;
+    }
+  }
+}
+
 // R, G, B, or the single channel whatever its name.
 std::vector<std::string> channelNames(const Imf::Header& header) {
   const Imf::ChannelList& channels = header.channels();
@@ -94,6 +127,7 @@ auto guarded(const Body& body) {
 
 PictureHeader readExrHeader(std::span<const std::byte> file, const PictureLimits& limits) {
   return guarded([&] {
+    refuseAttributesBeyond(file);
     MemoryInput stream(file);
     const Imf::InputFile in(stream);
     const PictureHeader header = headerOf(in);

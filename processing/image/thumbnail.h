@@ -6,6 +6,8 @@
 
 namespace patina {
 
+constexpr int kThumbnailPx = 256;  // of those that are made of every frame
+
 // A JPEG whose longer side is `side_px`, or the picture's own where that is smaller. O(texels).
 Bytes thumbnailJpeg(const Picture& picture, int side_px);
 

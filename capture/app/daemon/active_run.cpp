@@ -91,6 +91,9 @@ capture::SessionHooks ActiveRun::hooks() {
   capture::SessionHooks hooks;
   hooks.on_status = [this](const capture::SessionStatus& status) { take(status); };
   hooks.on_acknowledged = [this](const db::FrameRow& frame) { take(frame); };
+  hooks.on_thumbnail = [this](const Sha256& frame, const Bytes& jpeg) {
+    observer_.onThumbnail(frame, jpeg);
+  };
   hooks.on_shot = [this](const db::ShotRow& shot) { take(shot); };
   hooks.on_step = [this](const db::StepRow& step) { observer_.onStep(step); };
   hooks.on_light = [this](std::span<const db::LightCheckRow> rows) { observer_.onLight(rows); };

@@ -105,6 +105,10 @@ void Broadcast::onFrame(const std::string& run_id, const std::string& camera,
   publish("frame", jsonOf(run_id, camera, frame));
 }
 
+void Broadcast::onThumbnail(const Sha256& frame, const Bytes& jpeg) {
+  if (previews_ != nullptr) previews_->take(frame, jpeg);
+}
+
 void Broadcast::onLight(std::span<const db::LightCheckRow> rows) {
   for (const db::LightCheckRow& row : rows) {
     if (row.ratio > 0) metrics_.gauge("patina_light_level_ratio", {row.light_state}).set(row.ratio);

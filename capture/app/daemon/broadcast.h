@@ -13,6 +13,7 @@
 
 #include "capture/app/daemon/ack_log.h"
 #include "capture/app/daemon/json_rows.h"
+#include "capture/app/daemon/preview.h"
 #include "capture/app/daemon/run_view.h"
 #include "capture/app/daemon/service.h"
 #include "capture/app/http/metrics.h"
@@ -30,6 +31,7 @@ class Broadcast final : public RunObserver {
   // Called when a run's state or session changes, on any thread.
   void onChange(std::function<void()> call);
   void logAcks(const AckLog* log) { ack_log_ = log; }  // before the first run; outlives the runs
+  void showIn(Previews* previews) { previews_ = previews; }  // likewise
   std::vector<Alert> alerts() const;
   // What is wrong with the archive as a whole, or stays wrong when a run is over: until settled().
   void warn(const std::string& what, const std::string& detail, UtcTime utc);
@@ -43,6 +45,7 @@ class Broadcast final : public RunObserver {
   void onShot(const db::ShotRow& shot) override;
   void onFrame(const std::string& run_id, const std::string& camera,
                const db::FrameRow& frame) override;
+  void onThumbnail(const Sha256& frame, const Bytes& jpeg) override;
   void onLight(std::span<const db::LightCheckRow> rows) override;
   void onEvent(const db::EventRow& event) override;
   void onAlert(const std::string& run_id, const capture::AlertNews& news) override;
@@ -56,6 +59,7 @@ class Broadcast final : public RunObserver {
   http::Metrics& metrics_;
   Watchdog& watchdog_;
   const AckLog* ack_log_ = nullptr;
+  Previews* previews_ = nullptr;
   mutable std::mutex mutex_;  // guards what follows
   Publish publish_;
   std::function<void()> changed_;

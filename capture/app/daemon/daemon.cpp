@@ -79,6 +79,7 @@ class Daemon::Impl {
     opening.at_point = commitTimer(real, broadcast_, options.at_point);
     archive_ = std::make_unique<db::Archive>(opening);
     broadcast_.logAcks(&acks_);
+    broadcast_.showIn(&previews_);
     keep();
     listen();
   }

@@ -42,6 +42,7 @@ class RunObserver {
   virtual void onShot(const db::ShotRow&) {}
   virtual void onFrame(const std::string& /*run_id*/, const std::string& /*camera*/,
                        const db::FrameRow&) {}
+  virtual void onThumbnail(const Sha256& /*frame*/, const Bytes& /*jpeg*/) {}
   virtual void onLight(std::span<const db::LightCheckRow>) {}
   virtual void onEvent(const db::EventRow&) {}
   virtual void onAlert(const std::string& /*run_id*/, const capture::AlertNews&) {}

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "processing/image/codecs.h"
 #include "tests/processing/image/samples.h"
 #include "tests/support/places.h"
+#include "tests/support/temp_folder.h"
 
 namespace patina {
 namespace {
@@ -33,6 +41,43 @@ TEST(DecodeExr, RefusesEveryTruncationAndSurvivesDamage) {
     EXPECT_THROW(decodePicture(cut), ProcessingError) << i;
   }
   EXPECT_GT(countRefusedDamage(file), 50);
+}
+
+TEST(DecodeExr, RefusesAnAttributeLongerThanTheFileBeforeRoomIsMadeForIt) {
+  Bytes file = codecs::encodeExr(wild(1).view());
+  const std::string type = "chlist";
+  const auto found = std::ranges::search(file, std::as_bytes(std::span(type)));
+  ASSERT_FALSE(found.empty());
+  found.end()[4] = std::byte{0x7f};  // of its length, after the text's zero: 2 GB
+  try {
+    decodePicture(file);
+    FAIL();
+  } catch (const ProcessingError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("longer than the file"));
+  }
+}
+
+TEST(DecodeExr, ReadsTheFirstOfSeveralParts) {
+  std::vector<Imf::Header> headers(2, Imf::Header(8, 8));
+  for (std::size_t i = 0; i < 2; ++i) {
+    headers[i].setName("part" + std::to_string(i));
+    headers[i].setType(Imf::SCANLINEIMAGE);
+    headers[i].channels().insert("Y", Imf::Channel(Imf::FLOAT));
+  }
+  const testing::TempFolder folder;
+  const std::filesystem::path path = folder.path() / "parts.exr";
+  {
+    Imf::MultiPartOutputFile out(path.c_str(), headers.data(), 2);
+    for (int i = 0; i < 2; ++i) {
+      std::vector<float> level(64, static_cast<float>(i + 1));
+      Imf::FrameBuffer buffer;
+      buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(level.data()), 4, 32));
+      Imf::OutputPart part(out, i);
+      part.setFrameBuffer(buffer);
+      part.writePixels(8);
+    }
+  }
+  EXPECT_EQ(readPicture(path).linear.at(3, 3), 1.0F);
 }
 
 TEST(DecodeExr, ReadsTheRealHalfFloatMaps) {

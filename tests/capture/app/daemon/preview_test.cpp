@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "processing/image/picture_file.h"
+#include "processing/image/thumbnail.h"
 #include "tests/capture/app/daemon/bench.h"
 
 namespace patina::daemon {
@@ -36,6 +36,15 @@ TEST_F(PreviewTest, IsKeptAndNeedsTheFileNoMore) {
   std::filesystem::remove(bench_.archive->reader().pathOf(frame_));
   EXPECT_EQ(previews_.jpeg(bench_.archive->reader(), frame_, 32), first);
   EXPECT_THROW(previews_.jpeg(bench_.archive->reader(), frame_, 48), Failure);
+}
+
+TEST_F(PreviewTest, OfAFrameWhoseDriverMadeASmallOneNeedsNoFile) {
+  Picture small;
+  small.linear = Image<float>(64, 48, 3, 0.5F);
+  previews_.take(frame_.sha256, thumbnailJpeg(small, kThumbnailPx));
+  std::filesystem::remove(bench_.archive->reader().pathOf(frame_));
+  EXPECT_EQ(sizeOf(32), (SizePx{32, 24}));
+  EXPECT_THROW(sizeOf(kThumbnailPx + 1), Failure) << "a small one does not make a large one";
 }
 
 }  // namespace
