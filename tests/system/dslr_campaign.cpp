@@ -166,6 +166,7 @@ capture::SessionSummary DslrCampaign::run(const DslrWiring& wiring, int shots, i
   run_ids_.push_back(start.run_id);
   capture::SessionHooks hooks;
   hooks.on_step = [this](const db::StepRow&) { drivers_.look(); };
+  hooks.on_thumbnail = [this](const Sha256&, const Bytes&) { ++thumbnails_; };
   Rig rig = makeRig(spec, callLimit(wiring));
   auto summary = capture::runSession(plan, rig, archive, clock_, start, hooks);
   // A camera that was being opened when the session ended: its process and descriptors are still

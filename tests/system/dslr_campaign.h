@@ -43,6 +43,7 @@ class DslrCampaign : public ::testing::TestWithParam<int> {
   std::unique_ptr<devices::twin::dslr::Dslr> camera_;
   std::shared_ptr<CallTimes> times_ = std::make_shared<CallTimes>();
   DriverWatch drivers_;
+  std::size_t thumbnails_ = 0;  // made of acknowledged frames by their drivers' processes
   std::vector<std::string> run_ids_;
   std::size_t first_run_ = 0;  // of this body
 

@@ -16,6 +16,7 @@ TEST_F(DslrCampaign, AWellBehavedCameraGivesEveryShot) {
               times_->text().c_str(), drivers_.text().c_str());
   EXPECT_THAT(v.broken, ::testing::IsEmpty());
   EXPECT_EQ(v.frames, static_cast<std::size_t>(shots));
+  EXPECT_EQ(thumbnails_, v.frames);
   EXPECT_LE(v.on_card, 1u);  // whose release the session's end overtook
   EXPECT_EQ(summary.last.captured, shots / kShotsAStep);
   EXPECT_EQ(drivers_.growth().descriptors, 0);
