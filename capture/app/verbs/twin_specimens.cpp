@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina twin specimens [list | render | film]: the simulated surfaces and their truth.
-#include <unistd.h>
-
 #include "capture/app/context.h"
 #include "capture/app/verbs/twin_camera.h"
 #include "capture/app/verbs/twin_film.h"
 #include "capture/app/verbs/verbs.h"
-#include "capture/workflow/facts.h"
 #include "devices/twin/specimen.h"
-#include "processing/image/picture_file.h"
+#include "processing/brdf/brdf_file.h"
 
 namespace patina::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 void list(Context& context) {
   for (const devices::twin::SpecimenInfo& info : devices::twin::listSpecimens())
@@ -32,36 +27,27 @@ struct Options {
 
 // A BRDF set (design, section 6) with the truth beside it, in a folder that appears whole.
 void render(Context& context, const Options& options) {
-  if (fs::exists(options.out))
+  if (std::filesystem::exists(options.out))
     throw AppError(Exit::kCannotCreate, options.out + " is there already");
   if (options.size.width < 1 || options.size.height < 1 || options.size.width > 16384 ||
       options.size.height > 16384)
     throw AppError(Exit::kUsage, "--size must lie between 1x1 and 16384x16384");
   const auto specimen = devices::twin::makeSpecimen(options.name, context.seed());
-  const devices::twin::SurfaceMaps maps = specimen->surfaceAt(options.time, options.size);
-  workflow::Facts manifest;
-  manifest.text("format", "patina.brdf-set/1").text("model", "ggx").text("roughness", "alpha");
+  devices::twin::SurfaceMaps truth = specimen->surfaceAt(options.time, options.size);
+  brdf::BrdfSetInfo info;
   if (specimen->measured())
-    manifest.text("gloss", "measured materials; Specular and Roughness are the nearest GGX");
-  manifest.text("specimen", options.name).number("time", options.time);
-  manifest.count("seed", static_cast<std::int64_t>(context.seed()));
-  manifest.number("mm_per_texel", specimen->info().width_mm / options.size.width);
-  const fs::path folder = options.out + ".tmp" + std::to_string(getpid());
-  fs::create_directories(folder);
-  try {
-    writeExr(folder / "Diffuse.exr", maps.diffuse.view());
-    writeExr(folder / "Specular.exr", maps.specular.view());
-    writeExr(folder / "Roughness.exr", maps.roughness.view());
-    writeExr(folder / "Normal.exr", maps.normal.view());
-    writeExr(folder / "Height.exr", maps.height.view());
-    writeExr(folder / "degree.exr", maps.degree.view());
-    writeFileAtomically(folder / "manifest.json", manifest.json() + "\n");
-    fs::rename(folder, options.out);
-  } catch (...) {
-    std::error_code none;
-    fs::remove_all(folder, none);
-    throw;
-  }
+    info.facts.text("gloss", "measured materials; Specular and Roughness are the nearest GGX");
+  info.facts.text("specimen", options.name).number("time", options.time);
+  info.facts.count("seed", static_cast<std::int64_t>(context.seed()));
+  info.facts.number("mm_per_texel", specimen->info().width_mm / options.size.width);
+  brdf::BrdfMaps maps{std::move(truth.diffuse),
+                      std::move(truth.specular),
+                      std::move(truth.roughness),
+                      std::move(truth.normal),
+                      {}};
+  maps.extra["Height"] = std::move(truth.height);
+  maps.extra["degree"] = std::move(truth.degree);
+  brdf::writeBrdfSet(options.out, info, maps);
   context.out.asList();
   context.out.add(std::move(Item()
                                 .set("path", options.out.c_str())
