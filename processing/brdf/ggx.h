@@ -14,6 +14,7 @@
 #include <cmath>
 
 #include "processing/brdf/lambert.h"
+#include "processing/brdf/lobe.h"
 #include "processing/brdf/vector.h"
 
 namespace patina::brdf {
@@ -37,6 +38,22 @@ inline float schlickWeight(float v_h) {
   return m2 * m2 * m;
 }
 inline float schlickFresnel(float f0, float v_h) { return f0 + (1.0f - f0) * schlickWeight(v_h); }
+
+// D V with its derivatives; F is left out.
+inline Lobe ggxLobe(const LobeCosines& c, float alpha) {
+  const float a2 = alpha * alpha, rest = 1.0f - a2, nh2 = c.n_h * c.n_h;
+  const float q = 1.0f - nh2 * rest, inverse_q = 1.0f / q;
+  const float root_l = std::sqrt(c.n_l * c.n_l * rest + a2);
+  const float root_v = std::sqrt(c.n_v * c.n_v * rest + a2);
+  const float inverse_s = 1.0f / (c.n_v * root_l + c.n_l * root_v + 1e-20f);
+  const float f = a2 * kInversePi * inverse_q * inverse_q * 0.5f * inverse_s;
+  const float to_l = c.n_l / root_l, to_v = c.n_v / root_v;
+  const float s_by_l = c.n_v * rest * to_l + root_v, s_by_v = c.n_l * rest * to_v + root_l;
+  const float s_by_a2 =
+      0.5f * (c.n_v * (1.0f - c.n_l * c.n_l) / root_l + c.n_l * (1.0f - c.n_v * c.n_v) / root_v);
+  return {f, -f * inverse_s * s_by_l, -f * inverse_s * s_by_v, f * 4.0f * rest * c.n_h * inverse_q,
+          2.0f * alpha * f * (1.0f / a2 - 2.0f * nh2 * inverse_q - inverse_s * s_by_a2)};
+}
 
 // Zero when l or v is below the surface.
 float ggx(const Vec3& n, const Vec3& l, const Vec3& v, float f0, float alpha);

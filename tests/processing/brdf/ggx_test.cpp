@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "processing/image/random.h"
+#include "tests/processing/brdf/lobes.h"
 
 namespace patina::brdf {
 namespace {
@@ -42,6 +43,15 @@ TEST(Ggx, KnownValueAtNormalIncidence) {
   // l = v = n: D = 1/(pi a^2), V = 1/4, F = f0.
   const Vec3 n;
   EXPECT_NEAR(ggx(n, n, n, 0.04f, 0.5f), 0.04 / (M_PI * 0.25) / 4, 1e-6);
+}
+
+TEST(Ggx, DerivativesAreThoseOfItsValue) {
+  expectDerivativesOf([](const LobeCosines& c, float r) { return ggxLobe(c, r); });
+}
+
+TEST(Ggx, LobeIsDistributionTimesVisibility) {
+  EXPECT_NEAR(ggxLobe({0.6f, 0.8f, 0.95f, 0.9f}, 0.3f).value,
+              ggxDistribution(0.95f, 0.3f) * smithVisibility(0.6f, 0.8f, 0.3f), 1e-5);
 }
 
 TEST(Ggx, IsReciprocal) {

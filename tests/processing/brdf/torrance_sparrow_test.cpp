@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/brdf/torrance_sparrow.h"
+
+#include "tests/processing/brdf/lobes.h"
+
+namespace patina::brdf {
+namespace {
+
+TEST(TorranceSparrow, DerivativesAreThoseOfItsValue) {
+  expectDerivativesOf([](const LobeCosines& c, float r) { return torranceSparrowLobe(c, r); });
+}
+
+TEST(TorranceSparrow, NormIsTheProjectedAreaOfTheGaussianOfTheSine) {
+  for (const float sigma : {0.05f, 0.2f, 0.6f, 1.0f, 2.0f}) {
+    double sum = 0;
+    const int n = 100'000;
+    for (int i = 0; i < n; ++i) {
+      const double theta = (i + 0.5) / n * M_PI / 2, s = std::sin(theta);
+      sum += std::exp(-s * s / (double{sigma} * sigma)) * std::cos(theta) * s;
+    }
+    sum *= 2 * M_PI * (M_PI / 2 / n);
+    EXPECT_NEAR(torranceSparrowNorm(sigma), sum, 1e-5 * sum) << sigma;
+  }
+}
+
+TEST(TorranceSparrow, IsHighestAtTheMirrorDirectionAndReciprocal) {
+  EXPECT_GT(torranceSparrowLobe({0.8f, 0.8f, 1, 0.8f}, 0.2f).value,
+            torranceSparrowLobe({0.8f, 0.8f, 0.95f, 0.8f}, 0.2f).value);
+  EXPECT_FLOAT_EQ(torranceSparrowLobe({0.5f, 0.9f, 0.95f, 0.7f}, 0.3f).value,
+                  torranceSparrowLobe({0.9f, 0.5f, 0.95f, 0.7f}, 0.3f).value);
+}
+
+TEST(TorranceSparrow, ANarrowLobeReflectsItsDecoupledStrength) {
+  const double albedo = directionalAlbedo(0.8, [](const LobeCosines& c, double) {
+    return double{torranceSparrowLobe(c, 0.05f).value};
+  });
+  // F = G = 1: the half vectors' projected area times 4 (v.h) (n.l) / (4 (n.l) (n.v)), v.h near
+  // n.v.
+  EXPECT_NEAR(albedo, 1, 0.01);
+}
+
+}  // namespace
+}  // namespace patina::brdf
