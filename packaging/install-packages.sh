@@ -4,12 +4,12 @@
 # docs/dependencies.md says why each package is here; tests/house compares the two lists.
 packages='
   ccache cmake e2fsprogs g++ git gphoto2 libavcodec-dev libavformat-dev libavutil-dev libbenchmark-dev libcamera-dev libcli11-dev
-  libcurl4-openssl-dev libeigen3-dev libexiv2-dev libexpected-dev libfftw3-dev libfuse3-dev libgmock-dev libgphoto2-dev
+  libcurl4-openssl-dev libeigen3-dev libembree-dev libexiv2-dev libexpected-dev libfftw3-dev libfuse3-dev libgmock-dev libgphoto2-dev
   libgpiod-dev libgtest-dev
   libhdf5-dev libjpeg-dev liblapacke-dev libmicrohttpd-dev libmosquitto-dev libmuparser-dev libopenblas-dev
   libopencv-calib3d-dev libopencv-contrib-dev libopencv-core-dev libopencv-features2d-dev libopencv-imgproc-dev
   libopencv-photo-dev libopencv-video-dev libopenexr-dev libpng-dev libraw-dev libspdlog-dev libsqlite3-dev
-  libssl-dev libswscale-dev libsystemd-dev libtbb-dev libtiff-dev libtomlplusplus-dev
+  libssl-dev libswscale-dev libsystemd-dev libtbb-dev libtiff-dev libtinygltf-dev libtinyobjloader-dev libtomlplusplus-dev
   libumockdev-dev libusb-1.0-0-dev make ninja-build nlohmann-json3-dev
   python3-h5py umockdev xfsprogs'
 lint_packages='clang-format clang-tidy'

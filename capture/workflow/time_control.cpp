@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -17,8 +19,7 @@ namespace patina::workflow {
 namespace {
 
 constexpr int kRateKeys = 33;  // of a rate that changes over time
-constexpr double kSkyReachTexels = 64;
-constexpr int kShadowRays = 16;
+constexpr int kShadowRays = 32;
 
 const std::vector<std::string>& variableNames() {
   static const std::vector<std::string> names{"x",     "y",         "t",     "map",    "height",
@@ -44,40 +45,64 @@ Image<float> greyPicture(const std::filesystem::path& file, SizePx size) {
   return resizeArea(std::as_const(grey).view(), size);
 }
 
+bool isMoving(const std::string& name) { return name == "light" || name == "shadow"; }
+
 // The planes that formulas name, each made when it is first asked for.
 class Planes {
  public:
   Planes(const TimeControl& control, const ttf::TtfInfo& input)
       : control_(control),
         size_{input.width, input.height},
-        mm_per_texel_(control.mm_per_texel > 0 ? control.mm_per_texel : input.mm_per_texel) {}
+        mm_per_texel_(control.mm_per_texel > 0 ? control.mm_per_texel : input.mm_per_texel),
+        moves_(control.lamp && control.lamp->moves()) {}
 
-  const Image<float>& of(const std::string& name) {
+  bool change(const std::set<std::string>& used) const {
+    return used.contains("t") || (moves_ && std::any_of(used.begin(), used.end(), isMoving));
+  }
+
+  // Until the next call with another t, of a lamp that moves.
+  const Image<float>& at(const std::string& name, double t) {
+    if (moves_ && isMoving(name) && t != moved_t_) {
+      planes_.erase("light");
+      planes_.erase("shadow");
+      moved_t_ = t;
+    }
     const auto [it, is_new] = planes_.try_emplace(name);
-    if (is_new) it->second = make(name);
+    if (is_new) it->second = make(name, t);
     return it->second;
   }
 
  private:
-  Image<float> make(const std::string& name) {
+  Image<float> make(const std::string& name, double t) {
     if (name == "map") {
       need(!control_.map.empty(), name, "a picture: --map FILE");
       return greyPicture(control_.map, size_);
     }
-    if (name == "height") return heights();
-    const mesh::HeightMap surface = surfaceFor(name);
-    if (name == "slope") return mesh::slopeOf(surface);
-    if (name == "curvature") return mesh::meanCurvatureOf(surface);
-    if (name == "sky") return mesh::skyShareOf(surface, kSkyReachTexels * mm_per_texel_);
+    if (name == "height" && !control_.mesh && mm_per_texel_ <= 0) return heights();
+    const ControlSurface& surface = surfaceFor(name);
+    if (name == "height") return surface.height();
+    if (name == "slope") return surface.slope();
+    if (name == "curvature") return surface.curvature();
+    if (name == "sky") return surface.sky();
     need(control_.lamp.has_value(), name, "a light: --light X,Y,Z or --lamp X,Y,Z");
-    if (name == "shadow")
-      return mesh::shadowOf(surface, *control_.lamp,
-                            {control_.lamp_radius, control_.lamp_radius > 0 ? kShadowRays : 1});
-    Image<float> light = mesh::lightRateOf(surface, *control_.lamp);
-    const float most = *std::max_element(light.texels().begin(), light.texels().end());
-    if (!(most > 0)) throw WorkflowError(Exit::kUsage, "the light reaches no texel");
-    for (float& v : light.texels()) v /= most;
+    const mesh::Lamp lamp = control_.lamp->lampAt(t);
+    const double radius = control_.lamp->radius;
+    if (name == "shadow") return surface.shadow(lamp, {radius, radius > 0 ? kShadowRays : 1});
+    Image<float> light = surface.light(lamp);
+    for (float& v : light.texels()) v /= brightest(surface);
     return light;
+  }
+
+  // Of all texels at all times that rates are worked out for.
+  float brightest(const ControlSurface& surface) {
+    if (brightest_ > 0) return brightest_;
+    for (int k = 0; k < (moves_ ? kRateKeys : 1); ++k) {
+      const Image<float> light = surface.light(control_.lamp->lampAt(k / (kRateKeys - 1.0)));
+      brightest_ =
+          std::max(brightest_, *std::max_element(light.texels().begin(), light.texels().end()));
+    }
+    if (!(brightest_ > 0)) throw WorkflowError(Exit::kUsage, "the light reaches no texel");
+    return brightest_;
   }
 
   Image<float> heights() {
@@ -87,9 +112,14 @@ class Planes {
     return out;
   }
 
-  mesh::HeightMap surfaceFor(const std::string& name) {
-    need(mm_per_texel_ > 0, name, "the size of a texel: --mm-per-texel X");
-    return {of("height").view(), mm_per_texel_};
+  const ControlSurface& surfaceFor(const std::string& name) {
+    if (!surface_ && control_.mesh)
+      surface_ = surfaceOfMesh(control_.mesh, size_, control_.casters);
+    if (!surface_) {
+      need(mm_per_texel_ > 0, name, "the size of a texel: --mm-per-texel X");
+      surface_ = surfaceOfRelief(heights(), mm_per_texel_, control_.casters);
+    }
+    return *surface_;
   }
 
   static void need(bool there, const std::string& name, const std::string& what) {
@@ -99,6 +129,10 @@ class Planes {
   const TimeControl& control_;
   SizePx size_;
   double mm_per_texel_;
+  bool moves_;
+  double moved_t_ = -1;
+  float brightest_ = 0;
+  std::unique_ptr<ControlSurface> surface_;
   std::map<std::string, Image<float>> planes_;
 };
 
@@ -106,7 +140,7 @@ Image<float> worked(const std::string& formula, SizePx size, double t, Planes& p
   Expression expression(formula, variableNames());
   std::vector<const Image<float>*> used;
   for (const std::string& name : variableNames())
-    used.push_back(name.size() > 1 && expression.used().contains(name) ? &planes.of(name)
+    used.push_back(name.size() > 1 && expression.used().contains(name) ? &planes.at(name, t)
                                                                        : nullptr);
   Image<float> out(size.width, size.height, 1);
   const double half = std::min(size.width, size.height) / 2.0;
@@ -119,11 +153,59 @@ Image<float> worked(const std::string& formula, SizePx size, double t, Planes& p
       for (std::size_t i = 3; i < used.size(); ++i)
         if (used[i]) values[i] = used[i]->at(x, y);
       out.at(x, y) = static_cast<float>(expression.at(values));
+      if (!(out.at(x, y) >= 0))
+        throw WorkflowError(Exit::kUsage,
+                            "'" + formula + "' is " + std::to_string(out.at(x, y)) + " at texel " +
+                                std::to_string(x) + "," + std::to_string(y) +
+                                "; a texel ages forwards: keep it at 0 or more, as max(0, ...) "
+                                "does");
     }
   return out;
 }
 
+// Parts between the commas that lie in no bracket.
+std::vector<std::string> splitFormulas(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (c == ',' && depth == 0)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
 }  // namespace
+
+MovingLamp MovingLamp::parse(const std::string& text, bool directional) {
+  const std::vector<std::string> parts = splitFormulas(text);
+  if (parts.size() != 3)
+    throw WorkflowError(Exit::kUsage,
+                        "a light is three numbers, or formulas of t, such as "
+                        "0.5,0.2,0.8; not '" +
+                            text + "'");
+  MovingLamp lamp{directional, {parts[0], parts[1], parts[2]}, 0};
+  lamp.lampAt(0);
+  return lamp;
+}
+
+mesh::Lamp MovingLamp::lampAt(double t) const {
+  mesh::Lamp lamp{directional, {}};
+  for (std::size_t c = 0; c < 3; ++c) {
+    lamp.at[c] = Expression(at[c], {"t"}).at({t});
+    if (!(std::abs(lamp.at[c]) <= 1e9))
+      throw WorkflowError(Exit::kUsage, "a light's '" + at[c] + "' is no number within 1e9");
+  }
+  return lamp;
+}
+
+bool MovingLamp::moves() const {
+  return std::any_of(at.begin(), at.end(), [](const std::string& formula) {
+    return Expression(formula, {"t"}).used().contains("t");
+  });
+}
 
 void controlTime(const TimeControl& control, const ttf::TtfInfo& input,
                  ttf::RetimeOptions& options) {
@@ -137,7 +219,7 @@ void controlTime(const TimeControl& control, const ttf::TtfInfo& input,
   const double length_s = input.time_s.back() - input.time_s.front();
   options.rates.clear();
   if (!rate.empty()) {
-    const bool changes = Expression(rate, variableNames()).used().contains("t");
+    const bool changes = planes.change(Expression(rate, variableNames()).used());
     const double end_s = options.duration_s.value_or(length_s);
     for (int k = 0; k < (changes ? kRateKeys : 1); ++k) {
       const double t = changes ? k / (kRateKeys - 1.0) : 0;

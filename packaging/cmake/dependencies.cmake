@@ -46,6 +46,9 @@ patina_import(sqlite HEADER sqlite3.h LIBRARIES sqlite3 LINKS Threads::Threads)
 patina_import(crypto HEADER openssl/evp.h LIBRARIES crypto)
 
 patina_import(tbb HEADER tbb/parallel_for.h LIBRARIES tbb LINKS Threads::Threads)
+patina_import(embree HEADER embree3/rtcore.h LIBRARIES embree3)
+patina_import(tinygltf HEADER tiny_gltf.h LIBRARIES tinygltf)
+patina_import(tinyobj HEADER tiny_obj_loader.h LIBRARIES tinyobjloader)
 patina_import(fftw HEADER fftw3.h LIBRARIES fftw3f)
 
 # OpenBLAS by its own name, never libblas/liblapack: those are alternatives that another package may turn to a slow one.

@@ -75,16 +75,9 @@ Image<float> everywhere(const HeightMap& map, int channels, const OfTexel& of_te
   return out;
 }
 
-std::array<double, 3> unit(const std::array<double, 3>& v) {
-  const double length = std::hypot(v[0], v[1], v[2]);
-  if (!(length > 0) || !std::isfinite(length))
-    throw ProcessingError(Exit::kUsage, "a light's direction has no length");
-  return {v[0] / length, v[1] / length, v[2] / length};
-}
-
 std::array<double, 3> normalAt(const Surface& surface, int x, int y) {
   const auto [sx, sy] = surface.slopes(x, y);
-  return unit({-sx, -sy, 1});
+  return unitOf({-sx, -sy, 1});
 }
 
 struct Towards {
@@ -92,10 +85,10 @@ struct Towards {
   double distance_mm;
 };
 Towards towards(const Surface& surface, const Lamp& lamp, int x, int y) {
-  if (lamp.directional) return {unit(lamp.at), 1e300};
+  if (lamp.directional) return {unitOf(lamp.at), 1e300};
   const std::array<double, 3> from = surface.place(x, y);
   const std::array<double, 3> way{lamp.at[0] - from[0], lamp.at[1] - from[1], lamp.at[2] - from[2]};
-  return {unit(way), std::hypot(way[0], way[1], way[2])};
+  return {unitOf(way), std::hypot(way[0], way[1], way[2])};
 }
 
 // Walks a texel at a time over the grid until it is above everything.
@@ -115,26 +108,6 @@ bool isHidden(const Surface& surface, int x, int y, const Towards& light, double
     if (surface.along(px, py) > start + rise * i + 1e-6 * surface.step()) return true;
   }
   return false;
-}
-
-// The i-th of n points spread evenly over a disc (Vogel's spiral).
-std::array<double, 2> onDisc(int i, int n) {
-  const double r = n == 1 ? 0 : std::sqrt((i + 0.5) / n), angle = i * 2.399963229728653;
-  return {r * std::cos(angle), r * std::sin(angle)};
-}
-
-Lamp movedLamp(const Lamp& lamp, const std::array<double, 2>& by, double radius) {
-  const std::array<double, 3> to = unit(lamp.at);
-  const std::array<double, 3> side =
-      std::abs(to[2]) < 0.9 ? unit({-to[1], to[0], 0}) : unit({to[2], 0, -to[0]});
-  const std::array<double, 3> up{to[1] * side[2] - to[2] * side[1],
-                                 to[2] * side[0] - to[0] * side[2],
-                                 to[0] * side[1] - to[1] * side[0]};
-  const double size = lamp.directional ? std::tan(radius * std::numbers::pi / 180) : radius;
-  Lamp out = lamp;
-  for (std::size_t c = 0; c < 3; ++c)
-    out.at[c] = (lamp.directional ? to[c] : lamp.at[c]) + size * (by[0] * side[c] + by[1] * up[c]);
-  return out;
 }
 
 }  // namespace
@@ -188,13 +161,9 @@ Image<float> lightRateOf(const HeightMap& map, const Lamp& lamp) {
 }
 
 Image<float> shadowOf(const HeightMap& map, const Lamp& lamp, const ShadowOptions& options) {
-  if (options.rays < 1 || options.rays > 4096 || !(options.radius >= 0))
-    throw ProcessingError(Exit::kUsage, "a shadow takes 1 to 4096 rays and a radius of 0 or more");
   map.check();
   const double highest = Surface(map).highest();
-  std::vector<Lamp> lamps;
-  for (int i = 0; i < options.rays; ++i)
-    lamps.push_back(movedLamp(lamp, onDisc(i, options.rays), options.radius));
+  const std::vector<Lamp> lamps = spreadOf(lamp, options);
   return everywhere(map, 1, [&](const Surface& surface, int x, int y, float* out) {
     int seen = 0;
     for (const Lamp& one : lamps)

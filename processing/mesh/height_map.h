@@ -6,9 +6,8 @@
 // not above 0, a height that is no number.
 #pragma once
 
-#include <array>
-
 #include "processing/image/image.h"
+#include "processing/mesh/lamp.h"
 
 namespace patina::mesh {
 
@@ -26,20 +25,12 @@ Image<float> slopeOf(const HeightMap& map);
 // curved along one axis alone it is half of the curvature of Enrique et al. 2005, equation 11.
 Image<float> meanCurvatureOf(const HeightMap& map);
 
-struct Lamp {
-  bool directional = true;
-  std::array<double, 3> at{0, 0, 1};  // direction to the light, or its place in mm from the middle
-};
 // Enrique et al. 2005, equation 9: (cos(theta) / r^2)^2, 0 where it comes from behind; a
-// directional light has r = 1 everywhere. Shadows apart.
+// directional light has r = 1 everywhere. Shadows apart. A lamp's place is from the middle.
 Image<float> lightRateOf(const HeightMap& map, const Lamp& lamp);
 // 1 where the lamp is seen, 0 in the shadow that the surface casts on itself, between at the
 // shadow's edge: share of `rays` towards a lamp of `radius` (mm; degrees of a directional one).
 // O(texels * rays * reach).
-struct ShadowOptions {
-  double radius = 0;
-  int rays = 1;
-};
 Image<float> shadowOf(const HeightMap& map, const Lamp& lamp, const ShadowOptions& options = {});
 // Share of a uniformly bright sky that reaches a texel, weighted by the cosine to the flat: from
 // the horizon in `directions` azimuths, looked for up to `reach_mm`. O(texels * directions *
