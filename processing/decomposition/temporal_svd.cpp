@@ -3,157 +3,240 @@
 
 #include <cblas.h>
 #include <lapacke.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
+#include "processing/decomposition/gram_matrix.h"
+#include "processing/decomposition/range_sketch.h"
 #include "processing/image/failure.h"
 
 namespace patina::decomposition {
 namespace {
 
-constexpr std::int64_t kBlockFloats = 16 << 20;  // 64 MiB of rows at a time
-constexpr std::int64_t kPanelRows = 1024;        // widened to double at a time
-constexpr std::int64_t kScoreRows = 256;         // rows of a task in the second pass
+constexpr Index kBlockFloats = 16 << 20;  // 64 MiB of samples at a time
+constexpr Index kOversampling = 16;       // columns beyond the rank, so that its last is found well
+constexpr Index kGramColumns = 4;         // times as many as are sought: the exact way costs less
 
-using Index = std::int64_t;
+// Calls use(first, block) over all texels, once a pass.
+using UseBlock = std::function<void(Index first, const SampleBlock&)>;
+using Pass = std::function<void(const UseBlock& use)>;
 
-template <class Body>
-void forEach(Index count, const Body& body) {
-  tbb::parallel_for(
-      tbb::blocked_range<Index>(0, count, 1),
-      [&](const tbb::blocked_range<Index>& r) {
-        for (Index i = r.begin(); i < r.end(); ++i) body(i);
-      },
-      tbb::simple_partitioner());
-}
-
-// G = T^t T and the column sums. The lower triangle of G is cut into square tiles; a tile is summed
-// by one task over the panels in order, so that no sum depends on the number of threads.
-class GramMatrix {
+// Sum and sum of squares of every column.
+class Moments {
  public:
-  explicit GramMatrix(Index n)
-      : n_(n),
-        tile_(std::clamp<Index>((n + 3) / 4, 32, 256)),
-        gram_(static_cast<std::size_t>(n * n)),
-        sums_(static_cast<std::size_t>(n)) {
-    const Index tiles = (n_ + tile_ - 1) / tile_;
-    for (Index i = 0; i < tiles; ++i)
-      for (Index j = 0; j <= i; ++j) tile_origins_.push_back({i * tile_, j * tile_});
-  }
-
-  void add(std::span<const float> rows) {
-    const Index count = static_cast<Index>(rows.size()) / n_;
-    for (Index first = 0; first < count; first += kPanelRows) {
-      const Index panel_rows = std::min(kPanelRows, count - first);
-      widen(rows.data() + first * n_, panel_rows);
-      forEach(static_cast<Index>(tile_origins_.size()),
-              [&](Index t) { addTile(tile_origins_[t].row, tile_origins_[t].column, panel_rows); });
-    }
-  }
-
-  // G - m * mean mean^t: the Gram matrix of the centred rows.
-  void centre(Index m) {
-    forEach(n_, [&](Index i) {
-      for (Index j = 0; j <= i; ++j)
-        gram_[i * n_ + j] -= sums_[i] * sums_[j] / static_cast<double>(m);
+  explicit Moments(Index n) : sum_(n), squares_(n) {}
+  void add(const SampleBlock& block) {
+    tbb::parallel_for(std::size_t{0}, sum_.size(), [&](std::size_t j) {
+      const float* row = block.data + static_cast<Index>(j) * block.stride;
+      for (Index first = 0; first < block.count; first += kRun)
+        addRun(row + first, std::min(kRun, block.count - first), sum_[j], squares_[j]);
     });
   }
-
-  double trace() const {
-    double sum = 0;
-    for (Index i = 0; i < n_; ++i) sum += gram_[i * n_ + i];
-    return sum;
+  std::vector<double> mean(Index m) const {
+    std::vector<double> mean;
+    for (double s : sum_) mean.push_back(s / static_cast<double>(m));
+    return mean;
   }
-  const std::vector<double>& columnSums() const { return sums_; }
-  std::vector<double>& lowerTriangle() { return gram_; }
+  std::vector<double> variance(Index m) const {
+    std::vector<double> variance;
+    for (std::size_t j = 0; j < sum_.size(); ++j) {
+      const double mean = sum_[j] / static_cast<double>(m);
+      variance.push_back(std::max(0.0, squares_[j] / static_cast<double>(m) - mean * mean));
+    }
+    return variance;
+  }
+  bool isFinite() const {
+    return std::all_of(squares_.begin(), squares_.end(), [](double s) { return std::isfinite(s); });
+  }
+  // Of (T - 1 offset^t) W.
+  double energy(Index m, std::span<const double> offset, std::span<const float> weight) const {
+    double energy = 0;
+    for (std::size_t j = 0; j < sum_.size(); ++j) {
+      const double about =
+          squares_[j] - 2 * offset[j] * sum_[j] + static_cast<double>(m) * offset[j] * offset[j];
+      energy += std::max(0.0, about) * weight[j] * weight[j];
+    }
+    return energy;
+  }
 
  private:
-  struct Origin {
-    Index row, column;
-  };
-
-  void widen(const float* rows, Index count) {
-    panel_.resize(static_cast<std::size_t>(kPanelRows * n_));
-    forEach((count + 63) / 64, [&](Index part) {
-      const Index first = part * 64 * n_, last = std::min(count, (part + 1) * 64) * n_;
-      std::copy(rows + first, rows + last, panel_.begin() + first);
-    });
-  }
-
-  void addTile(Index row, Index column, Index panel_rows) {
-    const Index height = std::min(tile_, n_ - row), width = std::min(tile_, n_ - column);
-    const double* panel = panel_.data();
-    double* out = gram_.data() + row * n_ + column;
-    if (row != column) {
-      cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, height, width, panel_rows, 1.0,
-                  panel + row, n_, panel + column, n_, 1.0, out, n_);
-      return;
+  static constexpr Index kRun = 512;  // in float
+  static void addRun(const float* v, Index count, double& sum, double& squares) {
+    constexpr Index kLanes = 8;
+    float s[kLanes] = {}, q[kLanes] = {};
+    Index i = 0;
+    for (; i + kLanes <= count; i += kLanes)
+      for (Index lane = 0; lane < kLanes; ++lane) {
+        s[lane] += v[i + lane];
+        q[lane] += v[i + lane] * v[i + lane];
+      }
+    for (; i < count; ++i) {
+      s[0] += v[i];
+      q[0] += v[i] * v[i];
     }
-    cblas_dsyrk(CblasRowMajor, CblasLower, CblasTrans, height, panel_rows, 1.0, panel + row, n_,
-                1.0, out, n_);
-    for (Index i = 0; i < panel_rows; ++i)
-      for (Index j = row; j < row + height; ++j) sums_[j] += panel[i * n_ + j];
+    for (Index lane = 0; lane < kLanes; ++lane) {
+      sum += s[lane];
+      squares += q[lane];
+    }
   }
-
-  Index n_, tile_;
-  std::vector<double> gram_, sums_, panel_;
-  std::vector<Origin> tile_origins_;
+  std::vector<double> sum_, squares_;
 };
 
-void readBlocks(Index m, Index n, const RowSource& rows, Index block_rows, Progress& progress,
-                const std::function<void(Index first, std::span<const float>)>& use) {
-  const Index count = std::max<Index>(1, std::min(block_rows, kBlockFloats / n));
-  std::vector<float> block(static_cast<std::size_t>(std::min(count, m) * n));
-  for (Index first = 0; first < m; first += count) {
-    const Index here = std::min(count, m - first);
-    const std::span<float> part(block.data(), static_cast<std::size_t>(here * n));
-    rows(first, here, part);
-    use(first, part);
-    progress.step(here);
+// One decomposition: two passes, and what is between and after them.
+class Decomposition {
+ public:
+  Decomposition(Index m, Index n, const SvdOptions& options)
+      : m_(m), n_(n), options_(options), moments_(n), offset_(n) {
+    const Index columns = std::min(n, options.rank + kOversampling);
+    if (n <= kGramColumns * columns)
+      gram_.emplace(n);
+    else
+      sketch_.emplace(n, columns);
   }
-}
 
-int chooseRank(std::span<const double> energies, double total, const SvdOptions& options) {
-  if (!(options.rank_error > 0)) return options.rank;
-  double left = total;
-  for (int k = 1; k <= options.rank; ++k) {
-    left -= energies[k - 1];
-    if (left < options.rank_error * options.rank_error * total) return k;
+  TemporalSvd run(const Pass& first, const Pass& second) {
+    first([&](Index, const SampleBlock& block) {
+      moments_.add(block);
+      if (gram_) gram_->add(block);
+      if (sketch_) sketch_->add(block);
+    });
+    if (!moments_.isFinite())
+      throw ProcessingError(Exit::kBadData,
+                            "singular value decomposition: the input holds NaN or infinity");
+    const std::vector<double> mean = moments_.mean(m_), variance = moments_.variance(m_);
+    if (options_.centre) offset_ = mean;
+    svd_.mean.assign(offset_.begin(), offset_.end());
+    svd_.weight = options_.weigh ? options_.weigh(mean, variance)
+                                 : std::vector<float>(static_cast<std::size_t>(n_), 1.0f);
+    gram_ ? byGram(second) : bySketch(second);
+    return std::move(svd_);
   }
-  return options.rank;
-}
 
-// The last `rank` eigenvectors (dsyevd sorts upwards), each a row of `vectors`, with a sign that
-// does not hang on the LAPACK at hand.
-std::vector<float> basisFrom(const std::vector<double>& vectors, Index n, int rank) {
-  std::vector<float> basis(static_cast<std::size_t>(n * rank));
-  for (int k = 0; k < rank; ++k) {
-    const double* v = vectors.data() + (n - 1 - k) * n;
-    const double largest =
-        *std::max_element(v, v + n, [](double a, double b) { return std::abs(a) < std::abs(b); });
-    const double sign = largest < 0 ? -1 : 1;
-    for (Index i = 0; i < n; ++i) basis[i * rank + k] = static_cast<float>(sign * v[i]);
+ private:
+  void byGram(const Pass& second) {
+    gram_->centreAndWeigh(m_, offset_, svd_.weight);
+    const double total = gram_->trace();
+    const GramMatrix::Eigen eigen = std::move(*gram_).eigen();
+    gram_.reset();
+    choose(eigen.values, total);
+    std::vector<double> basis(static_cast<std::size_t>(n_ * svd_.rank));
+    for (Index j = 0; j < n_; ++j)
+      for (Index k = 0; k < svd_.rank; ++k) basis[j * svd_.rank + k] = eigen.vectors[k * n_ + j];
+    setBasis(basis);
+    svd_.scores =
+        scoresOn(std::vector<double>(svd_.basis.begin(), svd_.basis.end()), second).taken();
   }
-  return basis;
-}
 
-void project(std::span<const float> rows, Index n, const TemporalSvd& svd, float* scores) {
-  const Index count = static_cast<Index>(rows.size()) / n, rank = svd.rank;
-  std::vector<float> offset(static_cast<std::size_t>(rank));  // mean * V
-  for (Index i = 0; i < n; ++i)
-    for (Index k = 0; k < rank; ++k) offset[k] += svd.mean[i] * svd.basis[i * rank + k];
-  forEach((count + kScoreRows - 1) / kScoreRows, [&](Index part) {
-    const Index first = part * kScoreRows, here = std::min(kScoreRows, count - first);
-    float* out = scores + first * rank;
-    cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, here, rank, n, 1.0f,
-                rows.data() + first * n, n, svd.basis.data(), rank, 0.0f, out, rank);
-    for (Index i = 0; i < here; ++i)
-      for (Index k = 0; k < rank; ++k) out[i * rank + k] -= offset[k];
-  });
+  // Rayleigh and Ritz: the best that the sketched range offers.
+  void bySketch(const Pass& second) {
+    const std::vector<double> range = sketch_->basis(m_, offset_, svd_.weight);
+    sketch_.reset();
+    const Index l = static_cast<Index>(range.size()) / n_;
+    Scores scores = scoresOn(range, second);
+    std::vector<double> vectors = scores.gram(), values(static_cast<std::size_t>(l));
+    const int size = static_cast<int>(l);
+    const int failed =
+        LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', size, vectors.data(), size, values.data());
+    PATINA_CHECK(failed == 0);
+    std::reverse(values.begin(), values.end());
+    for (double& v : values) v = std::max(v, 0.0);
+    choose(values, moments_.energy(m_, offset_, svd_.weight));
+    const Index k = svd_.rank;
+    std::vector<double> rotation(static_cast<std::size_t>(l * k)),
+        basis(static_cast<std::size_t>(n_ * k));
+    for (Index i = 0; i < l; ++i)
+      for (Index j = 0; j < k; ++j) rotation[i * k + j] = vectors[(l - 1 - j) * l + i];
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n_, k, l, 1.0, range.data(), l,
+                rotation.data(), k, 0.0, basis.data(), k);
+    const std::vector<double> signs = setBasis(basis);
+    std::vector<float> turned(rotation.size());
+    for (std::size_t i = 0; i < turned.size(); ++i)
+      turned[i] = static_cast<float>(rotation[i] * signs[i % k]);
+    svd_.scores = std::move(scores).rotated(turned, k);
+  }
+
+  // The second pass: T's texels, centred and weighed, on the columns of `basis` [n][l].
+  Scores scoresOn(const std::vector<double>& basis, const Pass& second) {
+    const Index l = static_cast<Index>(basis.size()) / n_;
+    std::vector<float> projection(basis.size()), offset(static_cast<std::size_t>(l));
+    std::vector<double> sum(static_cast<std::size_t>(l));
+    for (Index j = 0; j < n_; ++j)
+      for (Index k = 0; k < l; ++k) {
+        projection[j * l + k] = static_cast<float>(svd_.weight[j] * basis[j * l + k]);
+        sum[k] += offset_[j] * projection[j * l + k];
+      }
+    std::copy(sum.begin(), sum.end(), offset.begin());
+    Scores scores(m_, l);
+    second([&](Index first, const SampleBlock& block) {
+      scores.add(first, block, n_, projection, offset);
+    });
+    return scores;
+  }
+
+  // Rank and errors from the squares of the singular values.
+  void choose(std::span<const double> energies, double total) {
+    svd_.rank = options_.rank;
+    bool chosen = false;
+    double left = total;
+    for (std::size_t k = 0; k < energies.size(); ++k) {
+      svd_.singular_values.push_back(std::sqrt(energies[k]));
+      left -= energies[k];
+      svd_.error_of_rank.push_back(total > 0 ? std::sqrt(std::max(0.0, left) / total) : 0);
+      if (!chosen && options_.rank_error > 0 && svd_.error_of_rank.back() < options_.rank_error) {
+        svd_.rank = std::min<int>(options_.rank, static_cast<int>(k) + 1);
+        chosen = true;
+      }
+    }
+    svd_.relative_error = svd_.error_of_rank[static_cast<std::size_t>(svd_.rank) - 1];
+  }
+
+  // With a sign that does not hang on the LAPACK at hand; returns each column's.
+  std::vector<double> setBasis(const std::vector<double>& basis) {
+    const Index rank = svd_.rank;
+    std::vector<double> signs;
+    svd_.basis.resize(basis.size());
+    for (Index k = 0; k < rank; ++k) {
+      double largest = 0;
+      for (Index j = 0; j < n_; ++j)
+        if (std::abs(basis[j * rank + k]) > std::abs(largest)) largest = basis[j * rank + k];
+      signs.push_back(largest < 0 ? -1 : 1);
+      for (Index j = 0; j < n_; ++j)
+        svd_.basis[j * rank + k] = static_cast<float>(signs.back() * basis[j * rank + k]);
+    }
+    return signs;
+  }
+
+  Index m_, n_;
+  const SvdOptions& options_;
+  Moments moments_;
+  std::vector<double> offset_;
+  std::optional<GramMatrix> gram_;
+  std::optional<RangeSketch> sketch_;
+  TemporalSvd svd_;
+};
+
+TemporalSvd decompose(Index m, Index n, const SvdOptions& options, Progress& progress,
+                      const std::function<SampleBlock(Index first, Index count)>& load) {
+  options.check(m, n);
+  // One thread inside BLAS, many around it: otherwise sums are cut by the number of threads.
+  openblas_set_num_threads(1);
+  const Index block = std::max<Index>(1, std::min({options.block_texels, kBlockFloats / n, m}));
+  const auto pass = [&](const char* stage) -> Pass {
+    return [&, stage](const UseBlock& use) {
+      progress.begin(stage, m);
+      for (Index first = 0; first < m; first += block) {
+        const Index count = std::min(block, m - first);
+        use(first, load(first, count));
+        progress.step(count);
+      }
+    };
+  };
+  return Decomposition(m, n, options)
+      .run(pass("correlation of frames"), pass("time-varying coefficients"));
 }
 
 }  // namespace
@@ -162,62 +245,33 @@ void SvdOptions::check(std::int64_t m, std::int64_t n) const {
   const auto refuse = [](const std::string& what) {
     throw ProcessingError(Exit::kUsage, "singular value decomposition: " + what);
   };
-  if (m < 1 || n < 1 || n > 20000)
+  if (m < 1 || n < 1 || n > 100000)
     refuse("matrix is " + std::to_string(m) + " x " + std::to_string(n) +
-           "; allowed: at least 1 row, 1 to 20000 columns");
+           "; allowed: at least 1 row, 1 to 100000 columns");
   if (rank < 1 || rank > std::min(m, n))
     refuse("rank is " + std::to_string(rank) + "; allowed: 1 to " + std::to_string(std::min(m, n)));
   if (!(rank_error >= 0 && rank_error < 1))
     refuse("rank_error is " + std::to_string(rank_error) + "; allowed: 0 to below 1");
-  if (block_rows < 1)
-    refuse("block_rows is " + std::to_string(block_rows) + "; allowed: at least 1");
+  if (block_texels < 1)
+    refuse("block_texels is " + std::to_string(block_texels) + "; allowed: at least 1");
 }
 
-TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const RowSource& rows,
+TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const SampleSource& samples,
                         const SvdOptions& options, Progress& progress) {
-  options.check(m, n);
-  // One thread inside BLAS, many around it: otherwise sums are cut by the number of threads.
-  openblas_set_num_threads(1);
+  std::vector<float> block;
+  return decompose(m, n, options, progress, [&](Index first, Index count) {
+    block.resize(static_cast<std::size_t>(count * n));
+    samples(first, count, block);
+    return SampleBlock{block.data(), count, count};
+  });
+}
 
-  GramMatrix gram(n);
-  progress.begin("correlation of frames", m);
-  readBlocks(m, n, rows, options.block_rows, progress,
-             [&](Index, std::span<const float> block) { gram.add(block); });
-
-  TemporalSvd svd;
-  svd.mean.resize(static_cast<std::size_t>(n));
-  if (options.centre) {
-    gram.centre(m);
-    for (Index i = 0; i < n; ++i) svd.mean[i] = static_cast<float>(gram.columnSums()[i] / m);
-  }
-  const double total = gram.trace();
-  if (!std::isfinite(total))
-    throw ProcessingError(Exit::kBadData,
-                          "singular value decomposition: the input holds NaN or infinity");
-
-  std::vector<double>& vectors = gram.lowerTriangle();
-  std::vector<double> energies(static_cast<std::size_t>(n));
-  // Row-major lower is column-major upper: nothing is transposed.
-  const int failed = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', static_cast<int>(n), vectors.data(),
-                                    static_cast<int>(n), energies.data());
-  PATINA_CHECK(failed == 0);
-  std::reverse(energies.begin(), energies.end());
-  for (double& e : energies) e = std::max(e, 0.0);
-
-  svd.rank = chooseRank(energies, total, options);
-  for (double e : energies) svd.singular_values.push_back(std::sqrt(e));
-  double left = 0;
-  for (Index i = svd.rank; i < n; ++i) left += energies[i];
-  svd.relative_error = total > 0 ? std::sqrt(left / total) : 0;
-  svd.basis = basisFrom(vectors, n, svd.rank);
-  svd.scores.resize(static_cast<std::size_t>(m * svd.rank));
-
-  progress.begin("time-varying coefficients", m);
-  readBlocks(m, n, rows, options.block_rows, progress,
-             [&](Index first, std::span<const float> block) {
-               project(block, n, svd, svd.scores.data() + first * svd.rank);
-             });
-  return svd;
+TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, std::span<const float> samples,
+                        const SvdOptions& options, Progress& progress) {
+  PATINA_CHECK(static_cast<Index>(samples.size()) == m * n);
+  return decompose(m, n, options, progress, [&](Index first, Index count) {
+    return SampleBlock{samples.data() + first, count, m};
+  });
 }
 
 }  // namespace patina::decomposition

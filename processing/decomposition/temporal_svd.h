@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Singular value decomposition of a tall matrix T [m texels][n time samples], streamed by row
-// blocks through its Gram matrix (method of snapshots): T ~ U S V^t, U S = T V. Enrique et al.
-// 2005, (4)-(5).
+// Singular value decomposition of a tall matrix T [m texels][n time samples], streamed by blocks of
+// texels: T ~ U S V^t, U S = T V. Enrique et al. 2005, (4)-(5). Few columns: by the Gram matrix
+// (method of snapshots), exact. Many: by subspace iteration from a random start, one pass for
+// T^t T Omega and one for the Rayleigh-Ritz step (Halko et al. 2011, algorithm 4.4 in two passes).
 #pragma once
 
 #include <cstdint>
@@ -13,30 +14,43 @@
 
 namespace patina::decomposition {
 
-// Fills `rows` (count * n floats, row-major) with rows [first, first + count) of T. Called from one
-// thread, in order, twice over all rows.
-using RowSource =
-    std::function<void(std::int64_t first, std::int64_t count, std::span<float> rows)>;
+// Fills `block` [n][count] with texels [first, first + count) of T: a row is a sample of time, as
+// frames lie in files. Called from one thread, in order, twice over all texels.
+using SampleSource =
+    std::function<void(std::int64_t first, std::int64_t count, std::span<float> block)>;
+
+// What a column of T is multiplied by, from the mean and the variance of each over all texels;
+// called once, after the first pass.
+using Weigh = std::function<std::vector<float>(std::span<const double> mean,
+                                               std::span<const double> variance)>;
 
 struct SvdOptions {
   int rank = 15;          // at most min(m, n)
   double rank_error = 0;  // > 0: the least rank whose relative RMS error is below it, up to rank
-  std::int64_t block_rows = 4096;  // at most; fewer where n is large (64 MiB of rows)
-  bool centre = false;             // subtract the mean row first
+  std::int64_t block_texels = 4096;  // at most; fewer where n is large (64 MiB of samples)
+  bool centre = false;               // subtract the mean row first
+  Weigh weigh = {};                  // nothing: 1 everywhere
   void check(std::int64_t m, std::int64_t n) const;  // throws ProcessingError(kUsage)
 };
 struct TemporalSvd {
   int rank = 0;
-  std::vector<float> scores;            // [m][rank]: rows of U, weighted by the singular values
-  std::vector<double> singular_values;  // [n], falling
-  std::vector<float> basis;             // [n][rank]: V; each column's largest entry is positive
-  std::vector<float> mean;              // [n], zeros unless centred
-  double relative_error = 0;            // RMS of T - U S V^t over RMS of T (T centred, if asked)
+  std::vector<float> scores;  // [m][rank]: rows of U, weighted by the singular values
+  // Falling: all n, or where n is large the leading rank + 16, those up to `rank` within 1e-4 of
+  // the first.
+  std::vector<double> singular_values;
+  std::vector<float> basis;           // [n][rank]: V; each column's largest entry is positive
+  std::vector<float> mean, weight;    // [n]; zeros unless centred, ones unless weighed
+  std::vector<double> error_of_rank;  // [0] of rank 1 ...: RMS of T - U S V^t over RMS of T (T
+                                      // centred and weighed, if asked); long as singular_values
+  double relative_error = 0;          // of the rank chosen; where n is large below 1e-4 reads so
 };
-// Gram matrix in double, LAPACK dsyevd. O(m n^2 + n^3) time; memory 3 n^2 doubles, one block of
-// rows and the scores. Same bytes for any number of threads. Throws ProcessingError(kBadData) where
-// T holds a NaN or an infinity.
-TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const RowSource& rows,
+// O(m n min(n, 3 rank)) time; memory one block of samples, the scores and 16 n (rank + 16) floats,
+// or 3 n^2 doubles where n is small. Same bytes for any number of threads. Throws
+// ProcessingError(kBadData) where T holds a NaN or an infinity.
+TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const SampleSource& samples,
+                        const SvdOptions& options, Progress& progress);
+// Of samples that lie in memory, [n][m]: nothing is copied.
+TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, std::span<const float> samples,
                         const SvdOptions& options, Progress& progress);
 
 }  // namespace patina::decomposition

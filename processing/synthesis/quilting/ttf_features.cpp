@@ -19,24 +19,11 @@ constexpr double kContrastFloor = 0.2;         // of the strongest frame's
 
 // One over each frame's contrast: a seam is seen against what else the frame shows, so a faint
 // early frame counts as much as a strong late one. Frames without contrast are held down (noise).
-std::vector<float> frameWeights(const QuiltingSource& source, const std::vector<float>& display) {
-  std::vector<double> contrast;
-  for (int t = 0; t < source.info().frames; ++t) {
-    const Image<std::uint16_t> frame = source.frame(t);
-    const int channels = frame.channels();
-    double variance = 0;
-    for (int c = 0; c < channels; ++c) {
-      double sum = 0, squares = 0;
-      for (std::size_t i = c; i < frame.texels().size(); i += channels) {
-        const double v = display[frame.texels()[i]];
-        sum += v;
-        squares += v * v;
-      }
-      const double n = static_cast<double>(frame.texels().size()) / channels;
-      variance += std::max(0.0, squares / n - sum / n * sum / n);
-    }
-    contrast.push_back(std::sqrt(variance));
-  }
+// `variance` [frames][channels]; a weight a frame.
+std::vector<float> frameWeights(std::span<const double> variance, int channels) {
+  std::vector<double> contrast(variance.size() / channels);
+  for (std::size_t i = 0; i < variance.size(); ++i) contrast[i / channels] += variance[i];
+  for (double& c : contrast) c = std::sqrt(c);
   const double strongest = *std::max_element(contrast.begin(), contrast.end());
   std::vector<float> weights;
   for (double c : contrast)
@@ -45,13 +32,11 @@ std::vector<float> frameWeights(const QuiltingSource& source, const std::vector<
   return weights;
 }
 
-// Rows of T, tile by tile as they lie in the file: [frame][channel] of one texel.
-class TileRows {
+// T, tile by tile as the texels lie in the file; a row of a block is a channel of a frame.
+class Tiles {
  public:
-  TileRows(const QuiltingSource& source)
-      : source_(source),
-        display_(displayTable(source.info().scale)),
-        weights_(frameWeights(source, display_)) {
+  explicit Tiles(const QuiltingSource& source)
+      : source_(source), display_(displayTable(source.info().scale)) {
     const ttf::TtfInfo& info = source.info();
     const std::int64_t row_bytes =
         static_cast<std::int64_t>(info.frames) * kTileTexels * info.channels * 2;
@@ -66,19 +51,16 @@ class TileRows {
         for (int x = tile.x; x < tile.x + tile.width; ++x) texels_.push_back(y * info.width + x);
   }
 
-  // Row i of T is this texel of the image.
+  // Texel i of T is this texel of the image.
   const std::vector<std::int32_t>& texels() const { return texels_; }
 
-  const std::vector<float>& weights() const { return weights_; }
-
-  void fill(std::int64_t first, std::int64_t count, std::span<float> rows) {
+  void fill(std::int64_t first, std::int64_t count, std::span<float> block) {
     if (first == 0) next_tile_ = tile_first_ = tile_count_ = 0;
-    const std::int64_t n = rows.size() / count;
     for (std::int64_t done = 0; done < count;) {
       if (first + done == tile_first_ + tile_count_) loadTile();
       const std::int64_t offset = first + done - tile_first_;
       const std::int64_t here = std::min(count - done, tile_count_ - offset);
-      transpose(offset, here, rows.data() + done * n);
+      spread(offset, here, block.data() + done, count);
       done += here;
     }
   }
@@ -91,22 +73,19 @@ class TileRows {
     tile_count_ = static_cast<std::int64_t>(tile.width) * tile.height;
   }
 
-  // samples_ [t][texel][c] to rows [texel][t][c].
-  void transpose(std::int64_t first, std::int64_t count, float* rows) const {
-    const int frames = source_.info().frames, channels = source_.info().channels;
-    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 16), [&](const auto& range) {
-      for (int t = 0; t < frames; ++t) {
-        const std::uint16_t* in =
-            samples_.data() + (t * tile_count_ + first + range.begin()) * channels;
-        for (std::int64_t i = range.begin(); i < range.end(); ++i)
-          for (int c = 0; c < channels; ++c)
-            rows[(i * frames + t) * channels + c] = weights_[t] * display_[*in++];
-      }
+  // samples_ [t][texel][c] to rows [t][c][texel].
+  void spread(std::int64_t first, std::int64_t count, float* block, std::int64_t stride) const {
+    const int channels = source_.info().channels;
+    tbb::parallel_for(0, source_.info().frames, [&](int t) {
+      const std::uint16_t* in = samples_.data() + (t * tile_count_ + first) * channels;
+      float* out = block + static_cast<std::int64_t>(t) * channels * stride;
+      for (int c = 0; c < channels; ++c, out += stride)
+        for (std::int64_t i = 0; i < count; ++i) out[i] = display_[in[i * channels + c]];
     });
   }
 
   const QuiltingSource& source_;
-  std::vector<float> display_, weights_;
+  std::vector<float> display_;
   std::vector<RectPx> tiles_;
   std::vector<std::int32_t> texels_;
   std::vector<std::uint16_t> samples_;
@@ -149,25 +128,36 @@ std::vector<float> displayTable(double scale) {
 TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
                         std::optional<double> rank_error, Progress& progress) {
   const ttf::TtfInfo& info = source.info();
-  TileRows rows(source);
+  Tiles tiles(source);
   const std::int64_t m = static_cast<std::int64_t>(info.width) * info.height;
   const std::int64_t n = static_cast<std::int64_t>(info.frames) * info.channels;
+  TtfFeatures result;
   decomposition::SvdOptions options;
   options.rank = static_cast<int>(std::min<std::int64_t>(rank_max, std::min(m, n)));
   options.rank_error = rank_error.value_or(0);
   options.centre = true;  // distances are the same, and no rank is spent on the mean picture
+  options.weigh = [&](std::span<const double>, std::span<const double> variance) {
+    result.weight = frameWeights(variance, info.channels);
+    std::vector<float> of_column;
+    for (float w : result.weight) of_column.insert(of_column.end(), info.channels, w);
+    return of_column;
+  };
   decomposition::TemporalSvd svd = decomposition::temporalSvd(
       m, n,
-      [&](std::int64_t first, std::int64_t count, std::span<float> out) {
-        rows.fill(first, count, out);
+      [&](std::int64_t first, std::int64_t count, std::span<float> block) {
+        tiles.fill(first, count, block);
       },
       options, progress);
-  TtfFeatures result{Image<float>(info.width, info.height, svd.rank), std::move(svd.basis),
-                     std::move(svd.mean), rows.weights(), svd.relative_error};
+  result.features = Image<float>(info.width, info.height, svd.rank);
+  result.basis = std::move(svd.basis);
+  for (std::size_t j = 0; j < svd.mean.size(); ++j)
+    result.mean.push_back(svd.weight[j] * svd.mean[j]);
+  result.error_of_rank = std::move(svd.error_of_rank);
+  result.relative_error = svd.relative_error;
   for (std::int64_t i = 0; i < m; ++i)
     std::copy_n(
         svd.scores.begin() + i * svd.rank, svd.rank,
-        result.features.texels().begin() + static_cast<std::int64_t>(rows.texels()[i]) * svd.rank);
+        result.features.texels().begin() + static_cast<std::int64_t>(tiles.texels()[i]) * svd.rank);
   return result;
 }
 

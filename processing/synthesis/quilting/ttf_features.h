@@ -32,15 +32,16 @@ class QuiltingSource {
 struct TtfFeatures {
   Image<float> features;      // [h][w][rank]: weighted coefficients of each texel's whole history
   std::vector<float> basis;   // [frames][channels][rank]
-  std::vector<float> mean;    // [frames][channels], taken off before
+  std::vector<float> mean;    // [frames][channels], taken off, weighted
   std::vector<float> weight;  // of each frame
   double relative_error = 0;  // of T so weighted
+  std::vector<double> error_of_rank = {};  // the same, of rank 1, 2 ...: at least to the rank's
   // A texel's displayed value is about (mean + basis . features) / weight.
 };
 // Time and colour together are the columns of T (equation 4): n = frames * channels. Samples are
 // taken as displayed (sRGB), since a seam is seen there, and each frame is weighted by (1 + q) S /
 // (s + q S), s its contrast (standard deviation), S the greatest, q = 0.2: a seam is seen against
-// what else its frame shows, so that faint frames count too. Reads the input three times.
+// what else its frame shows, so that faint frames count too. Reads the input twice.
 TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
                         std::optional<double> rank_error, Progress& progress);
 

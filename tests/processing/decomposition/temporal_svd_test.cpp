@@ -17,9 +17,10 @@ namespace {
 struct Matrix {
   std::int64_t m, n;
   std::vector<float> values;
-  RowSource source() const {
-    return [this](std::int64_t first, std::int64_t count, std::span<float> rows) {
-      std::copy_n(values.begin() + first * n, count * n, rows.begin());
+  SampleSource source() const {
+    return [this](std::int64_t first, std::int64_t count, std::span<float> block) {
+      for (std::int64_t j = 0; j < n; ++j)
+        for (std::int64_t i = 0; i < count; ++i) block[j * count + i] = values[(first + i) * n + j];
     };
   }
 };
@@ -58,7 +59,7 @@ TemporalSvd run(const Matrix& a, SvdOptions options) {
 
 TEST(TemporalSvd, RecoversAPlantedLowRankExactly) {
   const Matrix a = planted(700, 60, 4, 0);
-  const TemporalSvd svd = run(a, {.rank = 4, .block_rows = 64});
+  const TemporalSvd svd = run(a, {.rank = 4, .block_texels = 64});
   EXPECT_LT(reconstructionError(a, svd), 1e-5);
   EXPECT_LT(svd.relative_error, 1e-6);
   EXPECT_GT(svd.singular_values[3], 1.0);
@@ -72,6 +73,7 @@ TEST(TemporalSvd, ReportsTheErrorThatAnExplicitReconstructionHas) {
       const TemporalSvd svd = run(a, {.rank = rank, .centre = centre});
       EXPECT_NEAR(svd.relative_error, reconstructionError(a, svd), 2e-6)
           << "rank " << rank << " centred " << centre;
+      EXPECT_EQ(svd.error_of_rank[rank - 1], svd.relative_error);
     }
 }
 
@@ -96,7 +98,60 @@ TEST(TemporalSvd, BasisIsOrthonormalAndSingularValuesFall) {
       for (int j = 0; j < 300; ++j) dot += double(svd.basis[j * 10 + p]) * svd.basis[j * 10 + q];
       EXPECT_NEAR(dot, p == q ? 1 : 0, 1e-5);
     }
-  for (int i = 1; i < 300; ++i) EXPECT_LE(svd.singular_values[i], svd.singular_values[i - 1]);
+  for (std::size_t i = 1; i < svd.singular_values.size(); ++i)
+    EXPECT_LE(svd.singular_values[i], svd.singular_values[i - 1]);
+}
+
+// 300 columns: a rank of 10 is sought in a random range, a rank of 80 through the Gram matrix.
+TEST(TemporalSvd, FindsTheSameInARandomRangeAsThroughTheGramMatrix) {
+  const Matrix a = planted(500, 300, 12, 0.02);
+  const TemporalSvd sketched = run(a, {.rank = 10, .centre = true}),
+                    exact = run(a, {.rank = 80, .centre = true});
+  ASSERT_EQ(sketched.singular_values.size(), 26u);
+  ASSERT_EQ(exact.singular_values.size(), 300u);
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_NEAR(sketched.singular_values[k], exact.singular_values[k],
+                1e-5 * exact.singular_values[0]);
+    EXPECT_NEAR(sketched.error_of_rank[k], exact.error_of_rank[k], 1e-4);
+  }
+  for (int i = 0; i < 500; ++i)
+    for (int k = 0; k < 10; ++k)
+      ASSERT_NEAR(sketched.scores[i * 10 + k], exact.scores[i * 80 + k],
+                  1e-3 * exact.singular_values[0] / std::sqrt(500));
+}
+
+TEST(TemporalSvd, WeighsColumnsByTheirMeanAndVariance) {
+  Matrix a = planted(400, 30, 3, 0.1);
+  const Weigh weigh = [](std::span<const double> mean, std::span<const double> variance) {
+    std::vector<float> weight;
+    for (std::size_t j = 0; j < mean.size(); ++j)
+      weight.push_back(static_cast<float>(1 + std::abs(mean[j]) + variance[j]));
+    return weight;
+  };
+  for (bool centre : {false, true}) {
+    const TemporalSvd weighed = run(a, {.rank = 5, .centre = centre, .weigh = weigh});
+    Matrix b = a;
+    for (std::int64_t i = 0; i < b.m; ++i)
+      for (std::int64_t j = 0; j < b.n; ++j) b.values[i * b.n + j] *= weighed.weight[j];
+    const TemporalSvd plain = run(b, {.rank = 5, .centre = centre});
+    for (int k = 0; k < 5; ++k)
+      EXPECT_NEAR(weighed.singular_values[k], plain.singular_values[k],
+                  1e-5 * plain.singular_values[0]);
+    EXPECT_NEAR(weighed.relative_error, plain.relative_error, 1e-5);
+    EXPECT_NE(weighed.weight[3], weighed.weight[4]);
+  }
+}
+
+TEST(TemporalSvd, TakesSamplesThatLieInMemoryByFrames) {
+  const Matrix a = planted(1300, 150, 5, 0.1);
+  std::vector<float> frames(a.values.size());
+  for (std::int64_t i = 0; i < a.m; ++i)
+    for (std::int64_t j = 0; j < a.n; ++j) frames[j * a.m + i] = a.values[i * a.n + j];
+  Progress progress;
+  const TemporalSvd here = temporalSvd(a.m, a.n, frames, {.rank = 7, .centre = true}, progress);
+  const TemporalSvd streamed = run(a, {.rank = 7, .centre = true});
+  EXPECT_EQ(here.singular_values, streamed.singular_values);
+  EXPECT_EQ(here.scores, streamed.scores);
 }
 
 TEST(TemporalSvd, ChoosesTheLeastRankBelowTheErrorAsked) {
@@ -123,7 +178,7 @@ TEST(TemporalSvd, GivesTheSameBytesForAnyNumberOfThreads) {
   const auto with = [&](int threads) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
     tbb::task_arena arena(threads);
-    return arena.execute([&] { return run(a, {.rank = 9, .block_rows = 1500, .centre = true}); });
+    return arena.execute([&] { return run(a, {.rank = 9, .block_texels = 1500, .centre = true}); });
   };
   const TemporalSvd one = with(1), four = with(4);
   EXPECT_EQ(one.scores, four.scores);
@@ -153,7 +208,7 @@ TEST(TemporalSvd, RefusesImpossibleOptionsWithFieldAndRange) {
     EXPECT_STREQ(e.what(), "singular value decomposition: rank is 11; allowed: 1 to 10");
   }
   EXPECT_THROW(run(a, {.rank = 2, .rank_error = -1}), ProcessingError);
-  EXPECT_THROW(run(a, {.rank = 2, .block_rows = 0}), ProcessingError);
+  EXPECT_THROW(run(a, {.rank = 2, .block_texels = 0}), ProcessingError);
 }
 
 TEST(TemporalSvd, StopsWhenAsked) {
