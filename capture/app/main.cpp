@@ -37,7 +37,7 @@ void addVerbs(CommandLine& line) {
        {addPlanVerbs, addRehearseVerb, addCaptureVerb, addDaemonVerb, addDeviceHostVerb,
         addDevicesVerbs, addRunVerbs, addImportVerb, addArchiveVerbs, addLightVerbs,
         addCalibrateVerbs, addTtfVerbs, addFilmVerbs, addSheetVerbs, addSynthVerbs, addDoctorVerb,
-        addTwinVerbs, addAlertsVerbs})
+        addStbrdfVerbs, addTwinVerbs, addAlertsVerbs})
     add(line.root());
 }
 

@@ -23,6 +23,7 @@ void addFilmVerbs(Verb root);
 void addSheetVerbs(Verb root);
 void addSynthVerbs(Verb root);
 void addDoctorVerb(Verb root);
+void addStbrdfVerbs(Verb root);
 void addTwinVerbs(Verb root);
 
 }  // namespace patina::app
