@@ -51,6 +51,10 @@ class OverlapSearch {
   // Fills bounds_; returns by how much a bound may lie above the true cost (rounding).
   double lowerBounds(const Overlap& overlap);
   void correlateAtLeast(int channels);
+  // The energy of the leading channels under the known texels, at every corner.
+  void prepareEnergies(ImageView<const std::uint8_t> known);
+  // As squaredDistance(); stops with something above `limit` once it is above it.
+  double distanceUpTo(const Overlap& overlap, int x, int y, double limit) const;
 
   ImageView<const float> features_;
   SizePx block_, corners_;
@@ -61,9 +65,13 @@ class OverlapSearch {
   std::vector<float> energy_plane_;   // sum of squares of the leading channels, a texel
   Spectra::Spectrum energy_;
   double energy_norm_ = 0;
+  Image<std::uint8_t> known_;  // of the last query: a mask that comes again costs nothing
+  int known_channels_ = 0;     // that energies_ are of
+  std::int64_t known_texels_ = 0;
+  Spectra::Plane energies_;
   std::vector<Spectra::Spectrum> target_;  // of a query: kept, so that its memory is
   Spectra::Spectrum sum_;
-  std::vector<float> bounds_;  // [padded h][padded w]
+  Spectra::Plane bounds_;  // [padded h][padded w]
 };
 
 }  // namespace patina::patch
