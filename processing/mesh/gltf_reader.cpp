@@ -33,7 +33,7 @@ const T& itemOf(const std::vector<T>& items, int index, const char* what) {
 class Numbers {
  public:
   Numbers(const tinygltf::Model& model, int index, int components)
-      : accessor_(itemOf(model.accessors, index, "accessor")), components_(components) {
+      : accessor_(itemOf(model.accessors, index, "accessor")) {
     const tinygltf::BufferView& view =
         itemOf(model.bufferViews, accessor_.bufferView, "buffer view");
     const std::vector<unsigned char>& data = itemOf(model.buffers, view.buffer, "buffer").data;
@@ -91,7 +91,6 @@ class Numbers {
   }
 
   const tinygltf::Accessor& accessor_;
-  int components_;
   std::size_t stride_ = 0;
   const unsigned char* data_ = nullptr;
 };
