@@ -34,10 +34,10 @@ void print(const std::string& text) {
 
 void addVerbs(CommandLine& line) {
   for (const auto add :
-       {addPlanVerbs, addRehearseVerb, addCaptureVerb, addDaemonVerb, addDeviceHostVerb,
-        addDevicesVerbs, addRunVerbs, addImportVerb, addArchiveVerbs, addLightVerbs,
-        addCalibrateVerbs, addTtfVerbs, addFilmVerbs, addSheetVerbs, addSynthVerbs, addDoctorVerb,
-        addStbrdfVerbs, addTwinVerbs, addAlertsVerbs})
+       {addPlanVerbs,      addRehearseVerb, addCaptureVerb, addDaemonVerb,   addDeviceHostVerb,
+        addDevicesVerbs,   addRunVerbs,     addImportVerb,  addArchiveVerbs, addLightVerbs,
+        addCalibrateVerbs, addTtfVerbs,     addFilmVerbs,   addSheetVerbs,   addRenderVerb,
+        addSynthVerbs,     addDoctorVerb,   addStbrdfVerbs, addTwinVerbs,    addAlertsVerbs})
     add(line.root());
 }
 

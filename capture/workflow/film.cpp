@@ -38,6 +38,7 @@ FilmOutcome makeFilm(const Sequence& sequence, const FilmRequest& request,
   FilmOptions options;
   options.frames_per_second =
       request.frames_per_second > 0 ? request.frames_per_second : filmRate(outcome.frames);
+  options.quality_crf = request.quality_crf;
   outcome.frames_per_second = options.frames_per_second;
   outcome.size = sequence.size;
   outcome.length = fromSeconds(static_cast<double>(outcome.frames) / options.frames_per_second);

@@ -18,6 +18,7 @@ double gainOf(const Sequence& sequence, const ShowOptions& options, Progress& pr
 struct FilmRequest {
   ShowOptions show;
   double frames_per_second = 0;  // 0: so that the film lasts about 15 s
+  int quality_crf = 18;          // as FilmOptions
   int every = 1;
 };
 struct FilmOutcome {

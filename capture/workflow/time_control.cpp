@@ -10,10 +10,8 @@
 #include <vector>
 
 #include "capture/workflow/failure.h"
-#include "processing/image/encoding.h"
+#include "capture/workflow/grey_picture.h"
 #include "processing/image/expression.h"
-#include "processing/image/picture_file.h"
-#include "processing/image/warp.h"
 
 namespace patina::workflow {
 namespace {
@@ -25,24 +23,6 @@ const std::vector<std::string>& variableNames() {
   static const std::vector<std::string> names{"x",     "y",         "t",     "map",    "height",
                                               "slope", "curvature", "light", "shadow", "sky"};
   return names;
-}
-
-// One channel, of the texture's size: EXR as it is, others as displayed.
-Image<float> greyPicture(const std::filesystem::path& file, SizePx size) {
-  const Picture picture = readPicture(file);
-  Image<float> grey(picture.linear.width(), picture.linear.height(), 1);
-  const int channels = picture.linear.channels();
-  for (int y = 0; y < grey.height(); ++y)
-    for (int x = 0; x < grey.width(); ++x) {
-      float sum = 0;
-      for (int c = 0; c < channels; ++c) {
-        const float v = picture.linear.at(x, y, c);
-        sum += picture.format == PictureFormat::kExr ? v : srgbFromLinear(v);
-      }
-      grey.at(x, y) = sum / static_cast<float>(channels);
-    }
-  if (grey.size() == size) return grey;
-  return resizeArea(std::as_const(grey).view(), size);
 }
 
 bool isMoving(const std::string& name) { return name == "light" || name == "shadow"; }
@@ -163,6 +143,27 @@ Image<float> worked(const std::string& formula, SizePx size, double t, Planes& p
   return out;
 }
 
+// Spreads the keys of a rate that changes over the result, whose length is, unless it was given,
+// that after which the texel that ages most has come to its end.
+void stretch(ttf::RetimeOptions& options, double length_s) {
+  const std::size_t keys = options.rates.size();
+  double greatest = 0, most = 0;  // of all rates; of the texels' means over time
+  for (std::size_t i = 0; i < options.rates[0].rate.texels().size(); ++i) {
+    double sum = 0;
+    for (std::size_t k = 0; k < keys; ++k) {
+      const double rate = options.rates[k].rate.texels()[i];
+      greatest = std::max(greatest, rate);
+      sum += k == 0 || k + 1 == keys ? rate / 2 : rate;
+    }
+    most = std::max(most, sum / static_cast<double>(keys - 1));
+  }
+  if (!options.duration_s && most > 0)
+    options.duration_s = length_s / (options.fastest_as_captured ? most / greatest : most);
+  for (std::size_t k = 0; k < keys; ++k)
+    options.rates[k].time_s =
+        options.duration_s.value_or(length_s) * static_cast<double>(k) / (keys - 1.0);
+}
+
 // Parts between the commas that lie in no bracket.
 std::vector<std::string> splitFormulas(const std::string& text) {
   std::vector<std::string> parts(1);
@@ -207,8 +208,8 @@ bool MovingLamp::moves() const {
   });
 }
 
-void controlTime(const TimeControl& control, const ttf::TtfInfo& input,
-                 ttf::RetimeOptions& options) {
+void controlTime(const TimeControl& control, const ttf::TtfInfo& input, ttf::RetimeOptions& options,
+                 Progress& progress) {
   const std::string rate = !control.rate.empty() ? control.rate : control.map.empty() ? "" : "map";
   if (rate.empty() && control.start.empty())
     throw WorkflowError(Exit::kUsage,
@@ -220,11 +221,13 @@ void controlTime(const TimeControl& control, const ttf::TtfInfo& input,
   options.rates.clear();
   if (!rate.empty()) {
     const bool changes = planes.change(Expression(rate, variableNames()).used());
-    const double end_s = options.duration_s.value_or(length_s);
-    for (int k = 0; k < (changes ? kRateKeys : 1); ++k) {
-      const double t = changes ? k / (kRateKeys - 1.0) : 0;
-      options.rates.push_back({t * end_s, worked(rate, size, t, planes)});
+    const int keys = changes ? kRateKeys : 1;
+    progress.begin("rates", keys);
+    for (int k = 0; k < keys; ++k) {
+      options.rates.push_back({0, worked(rate, size, k / (kRateKeys - 1.0), planes)});
+      progress.step();
     }
+    if (changes) stretch(options, length_s);
   }
   if (control.start.empty()) return;
   options.start_s = worked(control.start, size, 0, planes);

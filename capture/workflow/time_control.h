@@ -9,6 +9,7 @@
 #include <string>
 
 #include "capture/workflow/control_surface.h"
+#include "processing/image/progress.h"
 #include "processing/ttf/retime.h"
 
 namespace patina::workflow {
@@ -44,10 +45,11 @@ struct TimeControl {
   std::optional<MovingLamp> lamp;
 };
 
-// Fills `rates` and `start_s` of `options`, whose other fields it reads. Pictures of another size
+// Fills `rates` and `start_s` of `options`, whose other fields it reads, and `duration_s` of a rate
+// that changes, if it is not given. Pictures of another size
 // are resized. Throws WorkflowError (kUsage): a variable without what it comes from, no formula, a
 // rate that is negative or no number somewhere.
-void controlTime(const TimeControl& control, const ttf::TtfInfo& input,
-                 ttf::RetimeOptions& options);
+void controlTime(const TimeControl& control, const ttf::TtfInfo& input, ttf::RetimeOptions& options,
+                 Progress& progress);
 
 }  // namespace patina::workflow

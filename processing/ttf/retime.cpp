@@ -42,16 +42,17 @@ std::pair<float, float> rangeOf(const std::vector<RateKey>& rates) {
 
 double lengthOf(const TtfInfo& input) { return input.time_s.back() - input.time_s.front(); }
 
-// What rates are multiplied by.
-float gainOf(const RetimeOptions& options) {
-  return options.fastest_as_captured ? 1 / rangeOf(options.rates).second : 1;
+// What rates are divided by: the fastest texel then has exactly 1, and ages bit for bit as
+// captured.
+double unitRateOf(const RetimeOptions& options) {
+  return options.fastest_as_captured ? rangeOf(options.rates).second : 1;
 }
 
 // Seconds by which a texel has aged at `time_s`: the integral of its rate.
 class Ages {
  public:
   Ages(const RetimeOptions& options, double length_s)
-      : options_(options), gain_(gainOf(options)), length_s_(length_s) {}
+      : options_(options), unit_(unitRateOf(options)), length_s_(length_s) {}
 
   double at(int x, int y, double time_s) const {
     const double start = options_.start_s.empty() ? 0 : options_.start_s.at(x, y);
@@ -66,7 +67,7 @@ class Ages {
 
  private:
   double rate(std::size_t key, int x, int y) const {
-    return options_.rates[key].rate.at(x, y) * gain_;
+    return options_.rates[key].rate.at(x, y) / unit_;
   }
   double integral(int x, int y, double time_s) const {
     const std::vector<RateKey>& keys = options_.rates;
@@ -86,8 +87,7 @@ class Ages {
   }
 
   const RetimeOptions& options_;
-  float gain_;
-  double length_s_;
+  double unit_, length_s_;
 };
 
 // One sample's history, `stride` apart, read between frames.
@@ -243,10 +243,14 @@ void RetimeOptions::check(const TtfInfo& input) const {
     refuse("the duration is " + std::to_string(*duration_s) + " s; allowed: above 0");
   if (frames && (*frames < 2 || *frames > 10'000'000))
     refuse("frames is " + std::to_string(*frames) + "; allowed: 2 to 10000000");
+  for (std::size_t i = 0; i < at_s.size(); ++i)
+    if (!(at_s[i] >= 0 && at_s[i] < 1e18) || (i > 0 && !(at_s[i] > at_s[i - 1])))
+      refuse("the times of the result's frames do not rise from 0 on");
 }
 
 std::vector<double> retimedTimes(const TtfInfo& input, const RetimeOptions& options) {
-  const double fastest = std::max(1e-6f, rangeOf(options.rates).second * gainOf(options));
+  const double fastest = std::max(1e-6, rangeOf(options.rates).second / unitRateOf(options));
+  if (!options.at_s.empty()) return options.at_s;
   std::vector<double> times;
   for (const double t : input.time_s) times.push_back((t - input.time_s.front()) / fastest);
   const double end = options.duration_s.value_or(times.back());
@@ -289,8 +293,8 @@ RetimeReport retimeTtf(const TtfReader& input, const RetimeOptions& options,
   report.frames = static_cast<int>(times.size());
   report.duration_s = times.back();
   const auto [least, greatest] = rangeOf(options.rates);
-  report.rate_least = least * gainOf(options);
-  report.rate_greatest = greatest * gainOf(options);
+  report.rate_least = least / unitRateOf(options);
+  report.rate_greatest = greatest / unitRateOf(options);
   report.ended_share = endedShare(info, options, times.back());
   const double t0_s = info.time_s.front();
   info.frames = report.frames;

@@ -38,6 +38,7 @@ struct RetimeOptions {
   Image<float> start_s;              // [h][w][1]: before it a texel does not age; empty: 0
   std::optional<double> duration_s;  // of the result; nothing: until the fastest texel has ended
   std::optional<int> frames;         // evenly over it, at least 2; nothing: as captured
+  std::vector<double> at_s;  // of the result's frames, rising; given, the two above do not count
   Between between = Between::kMonotone;
   void check(const TtfInfo& input) const;  // throws ProcessingError
 };

@@ -12,12 +12,13 @@ TABLE = {
     "processing/image": [],
     "processing/decomposition": ["processing/image"],
     "processing/patch": ["processing/decomposition"],
+    "processing/matte": ["processing/image"],
     "processing/mesh": ["processing/image"],
     "processing/ttf": ["processing/image"],
     "processing/brdf": ["processing/image"],
     "processing/stbrdf": ["processing/brdf"],
     "processing/synthesis/*": ["processing/ttf", "processing/stbrdf", "processing/patch", "processing/mesh"],
-    "processing/render": ["processing/synthesis/*"],
+    "processing/render": ["processing/synthesis/*", "processing/matte"],
     "processing/exchange": ["processing/render"],
     "calibration": ["processing/image"],
     "calibration/*": ["calibration"],
@@ -32,8 +33,9 @@ TABLE = {
     "capture/doctor": ["devices", "db"],
     "capture/notify": ["capture"],
     "capture/workflow": ["db", "calibration/*", "processing/exchange"],
+    "capture/scene": ["devices", "capture/workflow"],
     "capture/app/http": ["devices"],
-    "capture/app": ["capture", "capture/doctor", "capture/notify", "capture/workflow", "db/care", "devices/*", "devices/twin/dslr", "capture/app/http"],
+    "capture/app": ["capture", "capture/doctor", "capture/notify", "capture/workflow", "capture/scene", "db/care", "devices/*", "devices/twin/dslr", "capture/app/http"],
 }
 TESTS = "tests"
 TOP = ["processing", "calibration", "devices", "db", "capture", TESTS]
@@ -47,7 +49,7 @@ CV_BRIDGE = "processing/image/cv_bridge.h"
 # Slow to compile, or with types that must not cross a room: only .cpp files include these.
 HEAVY = re.compile(
     r"^(opencv2/|sqlite3|gphoto2/|hdf5|H5|embree|libraw/|exiv2/|toml\+\+/|nlohmann/json\.hpp|CLI/|spdlog/|tiff|Imf|"
-    r"libav|libsw|muParser|openssl/|curl/|mosquitto|libusb|hidapi|gpiod|libcamera/|umockdev)")
+    r"libav|libsw|muParser|tiny_|openssl/|curl/|mosquitto|libusb|hidapi|gpiod|libcamera/|umockdev)")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">\n]+)[">]', re.MULTILINE)
 # Numbers come first, or the digit separator in 1'000 would open a character literal.
 COMMENT_OR_LITERAL = re.compile(

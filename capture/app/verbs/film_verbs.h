@@ -8,11 +8,13 @@
 namespace patina::app {
 
 struct ShowingOptions : FrameOptions {
-  std::string in, out;
+  std::string in, out, overlay;
   workflow::ShowOptions show;
 };
 // `options` lives until the verb has run.
 void addShowingOptions(Verb& verb, ShowingOptions& options, const std::string& in,
                        const std::string& out);
+// IN with --overlay laid over it, whose exposure is then settled in `options`.
+workflow::Sequence openShown(Context& context, ShowingOptions& options);
 
 }  // namespace patina::app

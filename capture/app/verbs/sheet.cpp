@@ -25,13 +25,13 @@ void write(Context& context, const std::string& out, const Image<std::uint8_t>& 
 }
 
 void sheet(Context& context, SheetOptions& options) {
-  const workflow::Sequence sequence = openSequence(context, options.in, options);
+  const workflow::Sequence sequence = openShown(context, options);
   options.sheet.show = options.show;
   write(context, options.out, workflow::makeSheet(sequence, options.sheet, context.progress));
 }
 
 void keogram(Context& context, KeogramOptions& options) {
-  const workflow::Sequence sequence = openSequence(context, options.in, options);
+  const workflow::Sequence sequence = openShown(context, options);
   options.keogram.show = options.show;
   write(context, options.out, workflow::makeKeogram(sequence, options.keogram, context.progress));
 }

@@ -204,6 +204,7 @@ void addTtfVerbs(Verb root) {
   Verb ttf = root.group("ttf", "Time-varying textures (TTF)");
   addTtfBuild(ttf);
   addTtfRetime(ttf);
+  addTtfKey(ttf);
   addTtfDatabase(ttf);
 }
 

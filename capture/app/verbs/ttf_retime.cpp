@@ -7,12 +7,16 @@
 #include "capture/workflow/products.h"
 #include "capture/workflow/sequence.h"
 #include "capture/workflow/time_control.h"
+#include "processing/mesh/mesh_file.h"
 
 namespace patina::app {
 namespace {
 
 struct Options {
-  std::string in, out, map, height, light, lamp;
+  std::string in, out, map, height, light, lamp, mesh;
+  std::vector<std::string> casters;
+  double lamp_radius = 0, mesh_mm = 0;
+  mesh::V3f mesh_turn_deg{0, 0, 0};
   workflow::TimeControl control;
   ttf::RetimeOptions retime;
   std::optional<Nanoseconds> duration;
@@ -28,22 +32,34 @@ ttf::Between parseBetween(const std::string& text) {
   throw AppError(Exit::kUsage, "--between is '" + text + "'; allowed: nearest, linear, monotone");
 }
 
-mesh::Lamp parseLamp(const std::string& text, bool directional) {
-  mesh::Lamp lamp{directional, {}};
+mesh::V3f parseTurn(const std::string& text) {
+  mesh::V3f turn;
   char rest = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &lamp.at[0], &lamp.at[1], &lamp.at[2], &rest) != 3)
-    throw AppError(Exit::kUsage, std::string(directional ? "--light" : "--lamp") + " is '" + text +
-                                     "'; it takes three numbers: 0.5,0.2,0.8");
-  return lamp;
+  if (std::sscanf(text.c_str(), "%f,%f,%f%c", &turn.x, &turn.y, &turn.z, &rest) != 3)
+    throw AppError(Exit::kUsage, "--mesh-turn is '" + text + "'; it takes three angles: 90,0,0");
+  return turn;
 }
 
-void prepare(Options& options, const ttf::TtfInfo& input) {
+workflow::SharedMesh meshOf(const Options& options, const std::string& file) {
+  return std::make_shared<mesh::TriangleMesh>(
+      placed(mesh::readMesh(file, {options.mesh_mm}), {options.mesh_turn_deg, mesh::V3f(0), 1}));
+}
+
+void prepare(Options& options, const ttf::TtfInfo& input, Progress& progress) {
   if (!options.light.empty() && !options.lamp.empty())
     throw AppError(Exit::kUsage, "--light is a direction, --lamp a place: give one of them");
   options.control.map = options.map;
   options.control.height = options.height;
-  if (!options.light.empty()) options.control.lamp = parseLamp(options.light, true);
-  if (!options.lamp.empty()) options.control.lamp = parseLamp(options.lamp, false);
+  if (!options.mesh.empty() && !options.height.empty())
+    throw AppError(Exit::kUsage, "--mesh and --height are two surfaces: give one of them");
+  if (!options.light.empty())
+    options.control.lamp = workflow::MovingLamp::parse(options.light, true);
+  if (!options.lamp.empty())
+    options.control.lamp = workflow::MovingLamp::parse(options.lamp, false);
+  if (options.control.lamp) options.control.lamp->radius = options.lamp_radius;
+  if (!options.mesh.empty()) options.control.mesh = meshOf(options, options.mesh);
+  for (const std::string& caster : options.casters)
+    options.control.casters.push_back(meshOf(options, caster));
   options.retime.fastest_as_captured = !options.raw;
   if (options.duration) options.retime.duration_s = toSeconds(*options.duration);
   if (options.frames > 0) options.retime.frames = options.frames;
@@ -51,20 +67,26 @@ void prepare(Options& options, const ttf::TtfInfo& input) {
   if (options.control.rate.empty() && options.control.start.empty() && options.map.empty() &&
       options.frames > 0)
     return;
-  workflow::controlTime(options.control, input, options.retime);
+  workflow::controlTime(options.control, input, options.retime, progress);
 }
 
 workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   workflow::Making making;
   making.command = "patina ttf retime";
   making.version = PATINA_VERSION;
-  for (const std::string& file : {options.in, options.map, options.height})
+  std::vector<std::string> files{options.in, options.map, options.height, options.mesh};
+  files.insert(files.end(), options.casters.begin(), options.casters.end());
+  for (const std::string& file : files)
     if (!file.empty()) making.input_sha256s.push_back(sha256OfFile(file).hex());
   workflow::Facts& facts = making.options;
   facts.set("display_referred", workflow::isDisplayReferred(input));
   facts.text("rate", options.control.rate).text("start", options.control.start);
   facts.text("light", options.light).text("lamp", options.lamp);
-  facts.number("lamp_radius", options.control.lamp_radius);
+  facts.number("lamp_radius", options.lamp_radius);
+  facts.number("mesh_mm", options.mesh_mm);
+  facts.text("mesh_turn_deg", std::to_string(options.mesh_turn_deg.x) + "," +
+                                  std::to_string(options.mesh_turn_deg.y) + "," +
+                                  std::to_string(options.mesh_turn_deg.z));
   facts.number("height_mm", options.control.height_mm);
   facts.number("mm_per_texel", options.control.mm_per_texel);
   facts.set("raw", options.raw);
@@ -76,7 +98,7 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
 
 void retime(Context& context, Options& options) {
   const ttf::TtfReader input(options.in);
-  prepare(options, input.info());
+  prepare(options, input.info(), context.progress);
   const ttf::RetimeReport report =
       ttf::retimeTtf(input, options.retime, options.out,
                      makingOf(options, input.info()).facts().json(), context.progress);
@@ -109,9 +131,20 @@ void addTtfRetime(Verb ttf) {
               "What its white stands for, or 1 in an EXR (default: 1)")
       .option("--mm-per-texel", o->control.mm_per_texel, 0.0, 1e6,
               "Size of a texel (default: as the texture says)")
-      .option("--light", o->light, "X,Y,Z", "Direction to the light: right, up, to the viewer")
-      .option("--lamp", o->lamp, "X,Y,Z", "Place of the light, in mm from the middle")
-      .option("--lamp-radius", o->control.lamp_radius, 0.0, 1e6,
+      .option("--mesh", o->mesh, "FILE",
+              "What the texture is wrapped about, in place of --height: .obj, .gltf, .glb")
+      .option("--caster", o->casters, "FILE",
+              "Another mesh, which throws its shadow on it; again "
+              "for more")
+      .option("--mesh-mm", o->mesh_mm, 0.0, 1e9,
+              "Size of a mesh's unit (default: 1 of an OBJ, 1000 of a glTF)")
+      .option("--mesh-turn", o->mesh_turn_deg, parseTurn, "X,Y,Z",
+              "Turns meshes about x, then y, then z, in degrees: 90,0,0 where y is up")
+      .option("--light", o->light, "X,Y,Z",
+              "Direction to the light: right, up, to the viewer; each may be a formula of t: "
+              "cos(pi*t),0,sin(pi*t)")
+      .option("--lamp", o->lamp, "X,Y,Z", "Place of the light, in mm from the middle; or formulas")
+      .option("--lamp-radius", o->lamp_radius, 0.0, 1e6,
               "How wide it is, in mm (of --light: degrees): soft shadows")
       .flag("--raw", o->raw, "Rates as they are; else the fastest texel ages as captured")
       .option("--duration", o->duration, parseDuration, "TIME",

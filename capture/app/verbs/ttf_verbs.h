@@ -8,6 +8,7 @@ namespace patina::app {
 
 void addTtfBuild(Verb ttf);
 void addTtfRetime(Verb ttf);
+void addTtfKey(Verb ttf);
 void addTtfDatabase(Verb ttf);  // info, list, search, show, plate, publish
 
 }  // namespace patina::app

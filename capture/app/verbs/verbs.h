@@ -21,6 +21,7 @@ void addCalibrateVerbs(Verb root);
 void addTtfVerbs(Verb root);
 void addFilmVerbs(Verb root);
 void addSheetVerbs(Verb root);
+void addRenderVerb(Verb root);
 void addSynthVerbs(Verb root);
 void addDoctorVerb(Verb root);
 void addStbrdfVerbs(Verb root);

@@ -22,6 +22,35 @@ TEST_F(TtfRetime, MakesFilmsAtAnyRateAndTexturesThatAgeByAFormula) {
   EXPECT_EQ(lit.number("/items/0/rate_greatest"), 1);
 }
 
+TEST_F(TtfRetime, RunsOnAMeshUnderASunThatMoves) {
+  const std::string file = answer({"ttf", "list"}).text("/items/0/path");
+  const std::string wave = sourceFolder() / "examples/control/sigmoid.obj";
+  const auto bent = answer({"ttf", "retime", file, "--mesh", wave, "--rate",
+                            "0.1 + 20*abs(curvature)", "--out", place("bent.h5")});
+  EXPECT_LT(bent.number("/items/0/rate_least"), 0.3);
+  const auto lit =
+      answer({"ttf", "retime", file, "--mesh", wave, "--caster", wave, "--light",
+              "cos(pi*t),0,sin(pi*t)", "--rate", "0.2 + light*shadow", "--out", place("lit.h5")});
+  EXPECT_GT(lit.number("/items/0/ended_share"), 0);
+  EXPECT_LT(lit.number("/items/0/rate_least"), 0.25);
+}
+
+TEST_F(TtfRetime, RefusesTwoSurfacesAndMeshesThatAreNone) {
+  const std::string file = answer({"ttf", "list"}).text("/items/0/path");
+  const std::string wave = sourceFolder() / "examples/control/sigmoid.obj";
+  writeFile(place("bad.obj"), "v 0 0 0\nf 1 2 3\n");
+  const auto exit = [&](std::vector<std::string> how) {
+    how.insert(how.begin(), {"ttf", "retime", file, "--rate", "slope", "--out", place("no.h5")});
+    return patina(how).exit;
+  };
+  EXPECT_EQ(exit({"--mesh", wave, "--height", "h.png"}), 64);
+  EXPECT_EQ(exit({"--mesh", place("bad.obj")}), 65);
+  EXPECT_EQ(exit({"--mesh", place("none.glb")}), 74);
+  EXPECT_EQ(exit({"--mesh", wave, "--mesh-turn", "90"}), 64);
+  EXPECT_EQ(exit({"--light", "1,2"}), 64);
+  EXPECT_FALSE(std::filesystem::exists(place("no.h5")));
+}
+
 TEST_F(TtfRetime, RefusesAFormulaOfWhatIsNotThere) {
   const std::string file = answer({"ttf", "list"}).text("/items/0/path");
   for (const char* rate : {"speed", "map", "x +"})

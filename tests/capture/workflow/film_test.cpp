@@ -45,6 +45,16 @@ TEST_F(Film, HasEveryFrame) {
   EXPECT_EQ(frames, 6);
 }
 
+TEST_F(Film, IsSmallerAtALowerQuality) {
+  Progress progress;
+  FilmRequest request;
+  makeFilm(sequence_, request, folder_ / "good.mp4", progress);
+  request.quality_crf = 45;
+  makeFilm(sequence_, request, folder_ / "poor.mp4", progress);
+  EXPECT_LT(std::filesystem::file_size(folder_ / "poor.mp4"),
+            std::filesystem::file_size(folder_ / "good.mp4"));
+}
+
 TEST_F(Film, IsNotThereWhenItWasStopped) {
   Progress progress;
   progress.askToStop();

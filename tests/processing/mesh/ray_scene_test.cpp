@@ -12,7 +12,7 @@ namespace {
 
 TEST(RayScene, FindsTheNearestOfSeveralMeshes) {
   const TriangleMesh ground = planeMesh(100, 100),
-                     ball = placed(sphereMesh(5, 64), {{}, {0, 0, 5}, 1});
+                     ball = placed(sphereMesh(5, 64), {V3f(0), {0, 0, 5}, 1});
   const RayScene scene({&ground, &ball});
   const auto top = scene.nearest({0.3f, 0.2f, 50}, {0, 0, -1});
   ASSERT_TRUE(top);

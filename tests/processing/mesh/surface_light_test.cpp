@@ -19,7 +19,7 @@ class BallOnAPlane : public ::testing::Test {
  protected:
   static constexpr float kRadius = 5;
   TriangleMesh ground_ = planeMesh(400, 400);
-  TriangleMesh ball_ = placed(sphereMesh(kRadius, 128), {{}, {0, 0, kRadius}, 1});
+  TriangleMesh ball_ = placed(sphereMesh(kRadius, 128), {V3f(0), {0, 0, kRadius}, 1});
   RayScene scene_{{&ground_, &ball_}};
 };
 

@@ -79,7 +79,7 @@ TEST(TriangleMesh, IsTurnedScaledAndMoved) {
     EXPECT_NEAR(mesh.normal[v].y, -1, 1e-5);  // z up, turned about x, looks to -y
   }
   EXPECT_NEAR(lowest, 2, 1e-5);
-  EXPECT_THROW(placed(mesh, {{}, {}, 0}), ProcessingError);
+  EXPECT_THROW(placed(mesh, {V3f(0), {}, 0}), ProcessingError);
 }
 
 TEST(TriangleMesh, KnowsVerticesAtTheSamePlace) {

@@ -71,6 +71,32 @@ TEST_F(Retime, AtRateOneGivesTheSameSamplesBitForBit) {
   }
 }
 
+TEST_F(Retime, AtAnyConstantRateGivesThePlainResultWhenTheFastestAgesAsCaptured) {
+  writeVolume(in_, kShape);
+  for (const float rate : {0.7f, 3.1f, 1e-3f}) {
+    RetimeOptions options;
+    options.rates.push_back({0, Image<float>(140, 20, 1, rate)});
+    retime(options);
+    const TtfReader a(in_), b(out_);
+    EXPECT_EQ(a.info().time_s, b.info().time_s);
+    for (int t = 0; t < 21; ++t) ASSERT_EQ(a.frame(t).texels(), b.frame(t).texels()) << rate;
+  }
+}
+
+TEST_F(Retime, ShowsTheTimesItIsAskedFor) {
+  writeVolume(in_, kShape);
+  RetimeOptions options;
+  options.at_s = {600, 1800, 9000};
+  const RetimeReport report = retime(options);
+  EXPECT_EQ(report.frames, 3);
+  const TtfReader a(in_), b(out_);
+  EXPECT_EQ(b.frame(0).texels(), a.frame(1).texels());
+  EXPECT_EQ(b.frame(1).texels(), a.frame(3).texels());
+  EXPECT_EQ(b.frame(2).texels(), a.frame(15).texels());
+  options.at_s = {600, 600};
+  EXPECT_THROW(retime(options), ProcessingError);
+}
+
 TEST_F(Retime, ReachesHalfTheChangeAtTheSourcesTimeOverTheRate) {
   writeRising();
   RetimeOptions options = ramp(140, 16, 0.25f);
