@@ -21,7 +21,7 @@ texture() {
 # shown NAME FILE [OPTIONS]: a film and five of its frames.
 shown() {
   run $patina film "$2" "$gallery/$1.mp4" --fps 12 --crf 26 "${@:3}"
-  run $patina sheet "$2" "$gallery/$1.png" --cells 5 --columns 5 --cell-width 224 "${@:3}"
+  run $patina sheet "$2" "$gallery/$1.png" --cells 5 --columns 5 --cell-width 176 "${@:3}"
 }
 
 mkdir -p "$gallery"

@@ -12,11 +12,11 @@ class TtfKey : public Rehearsed {
   // A picture of the ball on the cardboard of the example.
   static std::string photo() {
     const std::string file = place("photo.png");
-    if (!std::filesystem::exists(file))
-      EXPECT_EQ(patina({"render", sourceFolder() / "examples/control/ball.toml", "--size",
-                        "128x128", "--samples", "64", "--out", file})
-                    .exit,
-                0);
+    if (!std::filesystem::exists(file)) {
+      const Finished finished = patina({"render", sourceFolder() / "examples/control/ball.toml",
+                                        "--size", "128x128", "--samples", "64", "--out", file});
+      EXPECT_EQ(finished.exit, 0) << finished.err;
+    }
     return file;
   }
 };
