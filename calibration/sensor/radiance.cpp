@@ -80,6 +80,13 @@ struct Row {
   }
 };
 
+// Light a code, where the curve has this light.
+double stepAt(const std::array<float, kCodes>& curve, double light) {
+  const auto above = std::clamp<std::ptrdiff_t>(
+      std::ranges::upper_bound(curve, static_cast<float>(light)) - curve.begin(), 1, kCodes - 1);
+  return curve[static_cast<std::size_t>(above)] - curve[static_cast<std::size_t>(above - 1)];
+}
+
 struct Levels {
   float black = 0, white = 1;
 };
@@ -164,7 +171,7 @@ void correctLinear(ImageView<float> frame, const SensorCorrection& correction,
 
 Image<float> varianceOfLight(ImageView<const float> light, const SensorCorrection& correction,
                              const ChannelGains& gain, const NoiseModels& noise,
-                             const Averaged& averaged) {
+                             const Averaged& averaged, const ResponseCurve* response) {
   requireSame("the correction", correction.size, correction.channels, light.size(), light.channels);
   Image<float> out(light.width, light.height, light.channels);
   const auto share = [](int frames) { return frames > 0 ? 1.0 / frames : 0.0; };
@@ -176,18 +183,26 @@ Image<float> varianceOfLight(ImageView<const float> light, const SensorCorrectio
           static_cast<std::size_t>(correction.channels == 1 ? colourAt(correction.filters, i, y)
                                                             : std::min(i % correction.channels, 2));
       const NoiseModel& model = noise[c];
+      // Of one picture, in numbers squared, that shows so many numbers above its dark signal.
+      const auto variance = [&](double above, double dark) {
+        double all = model.variance(above + dark);
+        if (response) {
+          const double step = stepAt(response->light[c], (above + dark) / model.range());
+          all += kRoundingVariance * step * step * model.range() * model.range();
+        }
+        return all;
+      };
       const double factor = correction.factor.empty() ? 1 : correction.factor.view().row(y)[i];
       const double unit = factor * gain[c] / model.range();  // light a number
       const double above = light.row(y)[i] / unit;
       const double dark =
           correction.offset.empty() ? 0 : correction.offset.view().row(y)[i] * model.range();
       const double flat = averaged.flat_levels[c] * model.range() / factor;  // numbers
-      const double flat_share =
-          of_flat > 0 ? of_flat * model.variance(flat + dark) / (flat * flat) : 0;
+      const double flat_share = of_flat > 0 ? of_flat * variance(flat, dark) / (flat * flat) : 0;
       out.view().row(y)[i] =
           static_cast<float>(unit * unit *
-                             (of_frames * model.variance(above + dark) +
-                              of_dark * model.variance(dark) + flat_share * above * above));
+                             (of_frames * variance(above, dark) + of_dark * variance(0, dark) +
+                              flat_share * above * above));
     }
   });
   return out;

@@ -16,6 +16,7 @@
 #include "calibration/sensor/colour_filters.h"
 #include "calibration/sensor/defects.h"
 #include "calibration/sensor/noise_model.h"
+#include "calibration/sensor/response.h"
 #include "processing/image/dng_file.h"
 #include "processing/image/image.h"
 
@@ -56,9 +57,12 @@ struct Averaged {
   std::array<double, 3> flat_levels{0.5, 0.5, 0.5};
 };
 // Variance of corrected light, [h][w][c], in its units squared: shot, read and rounding noise of
-// the frames, and of the masters. Of a repaired pixel: as if it measured. O(pixels).
+// the frames, and of the masters; with a `response` also that of rounding to its codes (1/12 of a
+// code's step squared: holds where noise is above a third of a step). Of a repaired pixel: as if it
+// measured. O(pixels).
 Image<float> varianceOfLight(ImageView<const float> light, const SensorCorrection& correction,
                              const ChannelGains& gain, const NoiseModels& noise,
-                             const Averaged& averaged = {});
+                             const Averaged& averaged = {},
+                             const ResponseCurve* response = nullptr);
 
 }  // namespace patina::calibration

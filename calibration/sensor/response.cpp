@@ -3,13 +3,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/photo.hpp>
 #include <optional>
 #include <string>
 
+#include "calibration/sensor/curve_fit.h"
 #include "processing/image/cv_bridge.h"
 
 namespace patina::calibration {
@@ -17,11 +17,6 @@ namespace {
 
 constexpr int kExposuresMin = 3;
 constexpr double kRatioMin = 2, kResidualMax = 0.1, kFallMax = 0.05;
-// Of the mean weight of a code. Strong, as brackets of an even scene leave waves along the curve
-// nearly free; a curve that bends as a power or a logarithm does is left alone to 0.2 %.
-constexpr double kSmoothShare = 1e3;
-constexpr int kEvenCodes = 16;                // highest less lowest code of a block
-constexpr int kObservedMin = 2000;            // pairs of block means
 constexpr int kCodesMin = 64;                 // different ones that a colour must show
 constexpr int kCodeLow = 5, kCodeHigh = 250;  // between them a texel counts as exposed
 constexpr const char* kShoot =
@@ -55,7 +50,8 @@ void checkBrackets(const std::vector<Bracket>& brackets, ResponseReport& report)
       refuse("the pictures differ in size");
     if (bracket.codes.channels() != 1 && bracket.codes.channels() != 3)
       refuse("the pictures have neither one channel nor three");
-    if (!(bracket.exposure_s > 0)) refuse("an exposure is not known");
+    if (!(bracket.exposure_s >= 0)) refuse("an exposure is not known");
+    if (bracket.exposure_s == 0) continue;
     least = std::min(least, bracket.exposure_s);
     most = std::max(most, bracket.exposure_s);
   }
@@ -67,6 +63,7 @@ cv::Mat solve(const std::vector<Bracket>& brackets, const ResponseOptions& optio
   std::vector<cv::Mat> pictures;
   std::vector<float> times;
   for (const Bracket& bracket : brackets) {
+    if (bracket.exposure_s == 0) continue;
     const cv::Mat codes = asMat(bracket.codes.view());
     pictures.push_back(codes);
     // OpenCV 4.6 writes three channels' sums whatever there are.
@@ -133,97 +130,13 @@ double makeRising(std::array<double, kCodes>& light,
   return light[kCodes - 1] > 0 ? fall / light[kCodes - 1] : 1;
 }
 
-// Mean codes of even blocks, which noise and rounding hardly move. A single noisy code would be
-// drawn towards the codes that the scene has most of.
-struct Blocks {
-  std::vector<std::vector<float>> mean;  // [bracket][block]; negative: not even, black or white
-};
-Blocks blocksOf(const std::vector<Bracket>& brackets, int channel, int side) {
-  Blocks blocks;
-  for (const Bracket& bracket : brackets) {
-    const ImageView<const std::uint8_t> codes = bracket.codes.view();
-    std::vector<float>& mean = blocks.mean.emplace_back();
-    for (int y0 = 0; y0 + side <= codes.height; y0 += side)
-      for (int x0 = 0; x0 + side <= codes.width; x0 += side) {
-        int low = kCodes, high = 0, sum = 0;
-        for (int y = y0; y < y0 + side; ++y)
-          for (int x = x0; x < x0 + side; ++x) {
-            const int code = codes.at(x, y, channel);
-            low = std::min(low, code);
-            high = std::max(high, code);
-            sum += code;
-          }
-        const bool even = low >= kCodeLow && high <= kCodeHigh && high - low <= kEvenCodes;
-        mean.push_back(even ? static_cast<float>(sum) / static_cast<float>(side * side) : -1.0f);
-      }
-  }
-  return blocks;
-}
-
-// The normal equations of Debevec and Malik's equation 3 for g, the logarithm of light, linear
-// between codes. The light of a block drops out of the difference of two exposures.
-class LogResponse {
- public:
-  explicit LogResponse(const std::array<double, kCodes>& start) {
-    for (int z = kCodeLow; z <= kCodeHigh; ++z)
-      slope_[z] = std::max(1e-3, std::log(start[z + 4] / std::max(1e-9, start[z - 4])) / 8);
-  }
-  // Weights are those of equal noise in codes.
-  void observe(float a, float b, double difference) {
-    const int ka = static_cast<int>(a), kb = static_cast<int>(b);
-    const double fa = a - static_cast<float>(ka), fb = b - static_cast<float>(kb);
-    const double w = 1 / (slope_[ka] * slope_[ka] + slope_[kb] * slope_[kb]);
-    const std::array<int, 4> at{ka, ka + 1, kb, kb + 1};
-    const std::array<double, 4> share{1 - fa, fa, fb - 1, -fb};
-    for (std::size_t p = 0; p < 4; ++p) {
-      for (std::size_t q = 0; q < 4; ++q) normal_(at[p], at[q]) += w * share[p] * share[q];
-      right_(at[p]) += w * share[p] * difference;
-    }
-    ++observed_;
-  }
-  int observed() const { return observed_; }
-  // With a penalty on the third difference, by which it goes on to the last code.
-  std::optional<Eigen::VectorXd> solve() {
-    const double weight = kSmoothShare * normal_.trace() / kCodes;
-    constexpr std::array<double, 4> kThird{-1, 3, -3, 1};
-    for (int z = kCodeLow; z + 3 < kCodes; ++z)
-      for (int p = 0; p < 4; ++p)
-        for (int q = 0; q < 4; ++q)
-          normal_(z + p, z + q) +=
-              weight * kThird[static_cast<std::size_t>(p)] * kThird[static_cast<std::size_t>(q)];
-    for (int z = 0; z < kCodes; ++z)
-      if (z < kCodeLow || z == kCodes / 2) normal_(z, z) += 1e3 * weight + 1;
-    Eigen::VectorXd g = normal_.ldlt().solve(right_);
-    if (!g.allFinite()) return std::nullopt;
-    return g;
-  }
-
- private:
-  std::array<double, kCodes> slope_{};  // of the logarithm, a code
-  Eigen::MatrixXd normal_ = Eigen::MatrixXd::Zero(kCodes, kCodes);
-  Eigen::VectorXd right_ = Eigen::VectorXd::Zero(kCodes);
-  int observed_ = 0;
-};
-
-// `light` is where it starts, and changes; left as it is where the scene has too few even blocks.
-int refine(const std::vector<Bracket>& brackets, int channel, int side,
-           std::array<double, kCodes>& light) {
-  const Blocks blocks = blocksOf(brackets, channel, side);
-  LogResponse response(light);
-  for (std::size_t i = 0; i < brackets.size(); ++i)
-    for (std::size_t j = i + 1; j < brackets.size(); ++j) {
-      const double difference = std::log(brackets[i].exposure_s / brackets[j].exposure_s);
-      for (std::size_t k = 0; k < blocks.mean[i].size(); ++k)
-        if (blocks.mean[i][k] >= 0 && blocks.mean[j][k] >= 0)
-          response.observe(blocks.mean[i][k], blocks.mean[j][k], difference);
-    }
-  if (response.observed() < kObservedMin) return 0;
-  const std::optional<Eigen::VectorXd> g = response.solve();
-  if (!g) return 0;
-  const double middle = light[kCodes / 2], low = light[kCodeLow];
-  for (int z = kCodeLow; z < kCodes; ++z) light[z] = middle * std::exp((*g)(z) - (*g)(kCodes / 2));
-  for (int z = 0; z < kCodeLow; ++z) light[z] *= light[kCodeLow] / low;
-  return response.observed();
+// `light` is where it starts, and changes; left as it is where too few sums can be compared.
+void refine(const std::vector<Bracket>& brackets, int channel, int block_px,
+            std::array<double, kCodes>& light, ResponseReport& report) {
+  const std::optional<CurveFit> fit = fitCurve(brackets, channel, block_px, light);
+  if (!fit) return;
+  light = fit->light;
+  report.block_sums += fit->observed;
 }
 
 double residualOf(const std::vector<Bracket>& brackets, const ResponseCurve& curve) {
@@ -233,7 +146,7 @@ double residualOf(const std::vector<Bracket>& brackets, const ResponseCurve& cur
   for (std::size_t i = 0; i < samples; ++i) {
     const auto exposed = [&](const Bracket& bracket) {
       const int code = bracket.codes.texels()[i];
-      return code >= kCodeLow && code <= kCodeHigh;
+      return bracket.exposure_s > 0 && code >= kCodeLow && code <= kCodeHigh;
     };
     const auto lightOf = [&](const Bracket& bracket) {
       return static_cast<double>(curve.light[i % channels][bracket.codes.texels()[i]]);
@@ -296,8 +209,7 @@ Response measureResponse(const std::vector<Bracket>& brackets, const ResponseOpt
       refuse("the curve is not finite");
     fillGaps(light, counts[c]);
     makeRising(light, counts[c]);
-    if (options.block_px > 0)
-      out.report.block_pairs += refine(brackets, c, options.block_px, light);
+    if (options.block_px > 0) refine(brackets, c, options.block_px, light, out.report);
     out.report.fall_mended = std::max(out.report.fall_mended, makeRising(light, counts[c]));
     for (int code = 0; code < kCodes; ++code)
       out.curve.light[c][code] = static_cast<float>(std::max(0.0, light[code] / light[kCodes - 1]));

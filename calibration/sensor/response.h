@@ -5,8 +5,8 @@
 // 1997, equation 3; M. Robertson, S. Borman, R. Stevenson, "Estimation-theoretic approach to
 // dynamic range enhancement using multiple exposures", 2003, section 3. Both are OpenCV's and
 // give the start; by themselves they err by several percent where the pictures are noisy, as the
-// one takes some hundred texels and both single codes. So equation 3 is solved once more for the
-// mean codes of all even blocks.
+// one takes some hundred texels and both single codes. So the curve is fitted once more to the sums
+// of light of all blocks (curve_fit.h).
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ struct ResponseCurve {
 };
 struct Bracket {
   Image<std::uint8_t> codes;  // [h][w][1 or 3]
-  double exposure_s = 0;
+  double exposure_s = 0;      // 0: the lens covered
 };
 enum class ResponseMethod { kDebevecMalik, kRobertson };
 struct ResponseOptions {
@@ -35,7 +35,7 @@ struct ResponseOptions {
   int samples = 150;       // Debevec-Malik: texels taken, 50 to 1000; time grows with the cube
   double smoothness = 10;  // Debevec-Malik: lambda, above 0 to 1000
   int iterations = 60;     // Robertson: 1 to 1000
-  // Side of the blocks whose mean codes then give the curve once more, 1 to 64; 0: not at all.
+  // Side of the blocks whose sums of light then give the curve once more, 1 to 64; 0: not at all.
   int block_px = 8;
   void check() const;  // throws CalibrationError(kUsage)
 };
@@ -45,7 +45,7 @@ struct ResponseReport {
   // RMS over texels and exposures of one light's departure from the texel's mean, share of it.
   double residual = 0;
   std::array<int, 3> codes_seen{};  // of 256
-  int block_pairs = 0;              // means of even blocks that two exposures share
+  int block_sums = 0;               // of light, that two exposures or more share
   double fall_mended = 0;           // the largest step down that was levelled, of full scale
 };
 struct Response {

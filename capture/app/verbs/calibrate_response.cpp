@@ -18,7 +18,7 @@ std::vector<double> parseTimes(const std::string& text) {
   std::vector<double> times_s;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');)
-    times_s.push_back(toSeconds(parseExposure(part)));
+    times_s.push_back(part == "0" ? 0 : toSeconds(parseExposure(part)));
   return times_s;
 }
 
@@ -45,7 +45,7 @@ void measure(Context& context, Options& options) {
       .set("ratio", Value{report.ratio})
       .set("residual", Value{report.residual})
       .set("codes_seen", report.codes_seen[0])
-      .set("block_pairs", report.block_pairs)
+      .set("block_sums", report.block_sums)
       .set("fall_mended", Value{report.fall_mended})
       .hidden("green", Value{curve});
   context.out.add(std::move(item));
@@ -62,7 +62,7 @@ void addCalibrateResponse(Verb& group) {
             [o](Context& context) { measure(context, *o); })
       .required("FOLDER", o->folder, "Pictures that differ in exposure alone")
       .option("--times", o->request.exposures_s, parseTimes, "LIST",
-              "Their exposures in order of name (default: as their EXIF data say)")
+              "Their exposures in order of name (default: as their EXIF data say); 0: lens covered")
       .option("--method", o->method, "NAME", "robertson (the default) or debevec")
       .option("--block", o->request.options.block_px, 0, 64,
               "Side in pixels of the even blocks that refine it; 0: not at all")
