@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/registration/prepared_picture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -17,6 +18,16 @@ constexpr float kFloor = 0.05f;  // of the mean luma: the dark does not become a
 
 std::string sizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// OpenCV's filters use one core: bands of rows, of which each sees the rows beside it. Their size
+// does not depend on the number of threads, so neither does the result.
+template <class Body>
+void forEachBand(int height, const Body& body) {
+  constexpr int kBandRows = 64;
+  tbb::parallel_for(0, (height + kBandRows - 1) / kBandRows, [&](int band) {
+    body(cv::Range(band * kBandRows, std::min((band + 1) * kBandRows, height)));
+  });
 }
 
 // Rec. 709 weights of three channels; what is no number counts as dark.
@@ -81,21 +92,25 @@ class WindowMean {
   explicit WindowMean(const Image<std::uint8_t>& usable) {
     if (usable.empty()) return;
     asMat(usable.view()).convertTo(weight_, CV_32F, 1 / 255.0);
-    blur(weight_, share_);
+    share_.create(weight_.size(), CV_32F);
+    forEachBand(weight_.rows, [&](const cv::Range& rows) { blur(weight_, share_, rows); });
     share_ = cv::max(share_, 1e-6);
   }
-  void operator()(const cv::Mat& in, cv::Mat& out) const {
-    if (weight_.empty()) {
-      blur(in, out);
-      return;
-    }
-    blur(in.mul(weight_), out);
-    cv::divide(out, share_, out);
+  // Which of `in` counts.
+  cv::Mat weighted(const cv::Mat& in) const { return weight_.empty() ? in : in.mul(weight_); }
+  // Some rows of the mean of a weighted picture.
+  void operator()(const cv::Mat& weighted, cv::Mat& out, const cv::Range& rows) const {
+    blur(weighted, out, rows);
+    if (weight_.empty()) return;
+    cv::Mat to = out.rowRange(rows);
+    cv::divide(to, share_.rowRange(rows), to);
   }
 
  private:
-  static void blur(const cv::Mat& in, cv::Mat& out) {
-    cv::boxFilter(in, out, CV_32F, {kWindowPx, kWindowPx}, {-1, -1}, true, cv::BORDER_REFLECT_101);
+  static void blur(const cv::Mat& in, cv::Mat& out, const cv::Range& rows) {
+    cv::Mat to = out.rowRange(rows);
+    cv::boxFilter(in.rowRange(rows), to, CV_32F, {kWindowPx, kWindowPx}, {-1, -1}, true,
+                  cv::BORDER_REFLECT_101);
   }
   cv::Mat weight_, share_;
 };
@@ -104,29 +119,45 @@ void normalise(PictureLevel& level) {
   const SizePx size = level.log_light.size();
   level.local = Image<float>(size.width, size.height, 1);
   const WindowMean mean(level.usable);
-  const cv::Mat light = asMat(level.log_light.view());
-  cv::Mat detail, power;
-  mean(light, detail);
-  cv::subtract(light, detail, detail);
-  mean(detail.mul(detail), power);
-  const ImageView<const float> d = viewOf<float>(detail), v = viewOf<float>(power);
+  const cv::Mat light = asMat(std::as_const(level.log_light).view());
+  const cv::Mat weighted = mean.weighted(light);
+  cv::Mat detail(light.size(), CV_32F), power(light.size(), CV_32F);
+  forEachBand(size.height, [&](const cv::Range& rows) {
+    mean(weighted, power, rows);
+    cv::Mat to = detail.rowRange(rows), squares = power.rowRange(rows);
+    cv::subtract(light.rowRange(rows), squares, to);
+    cv::multiply(to, to, squares);
+  });
+  const cv::Mat squares = mean.weighted(power);
+  cv::Mat variance(light.size(), CV_32F);
   const ImageView<float> out = level.local.view();
-  forEachRow(size.height, std::int64_t{4} * size.width, [&](int y) {
-    const float *from = d.row(y), *variance = v.row(y);
-    float* to = out.row(y);
-    for (int x = 0; x < size.width; ++x) to[x] = from[x] / std::sqrt(variance[x] + kFlat * kFlat);
+  forEachBand(size.height, [&](const cv::Range& rows) {
+    mean(squares, variance, rows);
+    for (int y = rows.start; y < rows.end; ++y) {
+      const auto *from = detail.ptr<float>(y), *v = variance.ptr<float>(y);
+      float* to = out.row(y);
+      for (int x = 0; x < size.width; ++x) to[x] = from[x] / std::sqrt(v[x] + kFlat * kFlat);
+    }
   });
 }
 
 Image<float> logLight(ImageView<const float> linear) {
   Image<float> luma = lumaOf(linear);
-  cv::Mat mat = asMat(luma.view());
-  const double mean = cv::mean(mat)[0];
-  mat += cv::Scalar(std::max(kFloor * mean, 1e-12));
-  cv::log(mat, mat);
+  cv::Mat light = asMat(luma.view());
+  const double floor = std::max(kFloor * cv::mean(light)[0], 1e-12);
+  forEachBand(light.rows, [&](const cv::Range& rows) {
+    cv::Mat band = light.rowRange(rows);
+    band += cv::Scalar(floor);
+    cv::log(band, band);
+  });
+  Image<float> out(luma.width(), luma.height(), 1);
+  cv::Mat soft = asMat(out.view());
   // Bilinear interpolation shifts the phase of the finest detail; a mosaic makes up some of it.
-  cv::GaussianBlur(mat, mat, {5, 5}, 1.0, 1.0, cv::BORDER_REFLECT_101);
-  return luma;
+  forEachBand(light.rows, [&](const cv::Range& rows) {
+    cv::Mat band = soft.rowRange(rows);
+    cv::GaussianBlur(light.rowRange(rows), band, {5, 5}, 1.0, 1.0, cv::BORDER_REFLECT_101);
+  });
+  return out;
 }
 
 }  // namespace
