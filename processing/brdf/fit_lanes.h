@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sixteen texels of a row side by side, as the fit works on them. Only the fit includes this.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "processing/brdf/multi_light_fit.h"
+
+namespace patina::brdf::lanes {
+
+constexpr int kLanes = 16;
+struct alignas(64) Lane {
+  float v[kLanes] = {};
+  float& operator[](int k) { return v[k]; }
+  float operator[](int k) const { return v[k]; }
+};
+
+// All pictures' levels and light at sixteen texels. [sample]
+struct Samples {
+  explicit Samples(std::size_t count);
+  std::size_t count;
+  std::vector<Lane> lx, ly, lz, hx, hy, hz, v_h;  // unit directions to the light, halfway
+  std::vector<Lane> m;                            // Schlick's weight; 0 for models without
+  std::vector<Lane> e;                            // irradiance across the rays
+  std::vector<Lane> y;                            // level, mean of the channels
+  std::vector<Lane> noise;                        // 1 / sigma^2; 0: clipped or unknown
+  std::vector<Lane> weight;                       // noise times what the residual says
+  std::vector<Vec3> view;
+  std::vector<Lane> a, g, g_1, g_2, g_u;  // scratch: diffuse part, lobe and its slopes, times E
+};
+
+// What the nonlinear part looks for, and the linear one that goes with it.
+struct Estimate {
+  Lane nx, ny, nz, u;  // u = ln r
+  Lane kd, ks;
+};
+struct Prior {
+  Lane u, u_weight, ks, ks_weight;  // weight = 1 / variance
+};
+// Normal equations with kd and ks projected out, at an estimate. 1, 2: turns of the normal along
+// its tangents.
+struct Equations {
+  Lane cost;
+  Lane h11, h12, h1u, h22, h2u, huu, b1, b2, bu;
+  Lane aa, ab, bb;              // of kd and ks
+  Lane a1, a2, au, g1, g2, gu;  // between linear and nonlinear
+};
+
+struct Tangents {
+  Lane x1, y1, z1, x2, y2, z2;
+};
+Tangents tangentsOf(const Estimate& at);
+
+// kd, ks >= 0 of least squares; a part that would be negative is 0 and the other solved alone.
+inline void solveLinear(float aa, float ab, float bb, float ay, float by, float& kd, float& ks) {
+  const float det = aa * bb - ab * ab;
+  const bool regular = det > 1e-6f * aa * bb;
+  const float d = regular ? (bb * ay - ab * by) / det : -1.0f;
+  const float s = regular ? (aa * by - ab * ay) / det : -1.0f;
+  const float d_alone = aa > 0 ? std::max(ay / aa, 0.0f) : 0.0f;
+  const float s_alone = bb > 0 ? std::max(by / bb, 0.0f) : 0.0f;
+  // The single part that explains more: its drop of the cost is the product below.
+  const bool diffuse = d_alone * ay >= s_alone * by;
+  const bool both = d >= 0 && s >= 0;
+  kd = both ? d : (diffuse ? d_alone : 0.0f);
+  ks = both ? s : (diffuse ? 0.0f : s_alone);
+}
+
+// Solves kd and ks at `at` (which receives them) and fills `out`; of the cost alone, its slopes
+// stay as they were. Picks the widest SIMD path the machine has; all give the same bits.
+void evaluate(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out);
+void evaluateCost(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out);
+
+// Photometric stereo: normal and kd from the middle quantiles, then reweighted. Sets weights: those
+// of clipped levels and of shadows are 0, highlights count.
+void photometricStart(Samples& samples, Estimate& at);
+// The roughness of least cost out of a few, from the normal at hand.
+void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& prior);
+// Least costs over kd and ks for roughnesses of a grid, the normal and weights as they are.
+constexpr int kCurve = 28;
+float curveLogR(int j);  // ln r of entry j, rising evenly
+void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& prior,
+               Lane (&curve)[kCurve]);
+// Rounds of weights and steps. `equations` are those of the end.
+void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
+            Equations& equations);
+// From residuals at `at`, for which evaluate() has just been called.
+void reweigh(Samples& samples, const Estimate& at);
+
+struct Certainty {
+  // 1 / (1 + (sigma of ks / 0.014)^2 + (sigma of r / 0.021)^2), by its own lights and the priors:
+  // from a half on, two thirds of such texels lie within 0.014 and 0.021.
+  double confidence = 0;
+  double specular_weight = 0;  // 1 / variance of ks, with the prior of ln r but not that of ks
+};
+// Of lane k; `spread2`: of the residuals, in units of the noise.
+Certainty certaintyOf(const Estimate& at, const Equations& q, const Prior& prior, double spread2,
+                      int k);
+
+}  // namespace patina::brdf::lanes

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Between the passes of the fit: what is known of each texel, and what neighbours say. Only the fit
+// includes this.
+#pragma once
+
+#include <vector>
+
+#include "processing/brdf/fit_lanes.h"
+
+namespace patina::brdf {
+
+// [h][w] each, of one kind of number.
+struct FitState {
+  FitState(SizePx size, int channels);
+  SizePx size;
+  Image<float> normal;             // [h][w][3]
+  Image<float> diffuse, specular;  // [h][w][channels of the pictures]
+  Image<float> specular_weight;    // 1 / variance, by the texel's own lights and the prior of ln r
+  Image<float> grey_diffuse, grey_specular, log_r;
+  Image<float> confidence, residual;
+  Image<float> look;   // [h][w][channels]: levels over irradiance, known whatever the gloss
+  Image<float> curve;  // [h][w][kCurve]: cost by roughness, in units of the texel's spread
+};
+
+// What texels are held to: means and certainties (1 / variance, 0: nobody knows).
+struct PriorMaps {
+  PriorMaps(SizePx size, int channels);
+  Image<float> log_r, log_r_weight;
+  Image<float> specular, specular_weight;  // [h][w][channels], [h][w][1]
+};
+
+// The costs of like-looking texels within `neighbour_px`, and of `before`, are added up: what one
+// texel's lights leave open, another's decide. Fills ln r. Rows in parallel; O(texels kCurve).
+void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
+                   const MultiLightOptions& options, PriorMaps& prior, Progress& progress);
+// The same of the specular reflectance, once the roughness is settled.
+void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
+                  const MultiLightOptions& options, PriorMaps& prior, Progress& progress);
+
+}  // namespace patina::brdf

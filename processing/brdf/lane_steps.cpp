@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Levenberg and Marquardt's steps and Cauchy's weights, sixteen texels side by side.
+#include <algorithm>
+#include <cmath>
+
+#include "processing/brdf/abc.h"
+#include "processing/brdf/fit_lanes.h"
+
+namespace patina::brdf::lanes {
+namespace {
+
+constexpr float kCauchy = 2.4f;       // of the texel's own spread
+constexpr float kShadowShare = 0.6f;  // of the prediction, and
+constexpr float kShadowSpread = 6;    // spreads below it: cast shadow
+constexpr float kAttached = 0.02f;    // n.l from which light counts
+constexpr float kTurnMost = 0.25f;    // rad a step
+constexpr float kScaleMost = 0.7f;    // of ln r a step
+constexpr float kLowestUp = 0.1f;     // n.z
+constexpr float kSmallestR = 0.02f, kLargestR = 1.0f;
+constexpr float kDampLeast = 1e-6f, kDampMost = 1e6f;
+constexpr float kSmallTurn = 2e-5f;  // rad; a tile whose steps are all below is done
+
+// One damped step of each lane; `turn` receives how far it goes.
+Estimate stepFrom(const Estimate& at, const Tangents& t, const Equations& q, const Lane& damp,
+                  Lane& turn) {
+  Estimate to = at;
+  for (int k = 0; k < kLanes; ++k) {
+    const float floor = 1e-12f * (q.h11[k] + q.h22[k] + q.huu[k]) + 1e-20f, d = 1 + damp[k];
+    const float h11 = q.h11[k] * d + floor, h22 = q.h22[k] * d + floor, huu = q.huu[k] * d + floor;
+    const float h12 = q.h12[k], h1u = q.h1u[k], h2u = q.h2u[k];
+    const float c11 = h22 * huu - h2u * h2u, c12 = h1u * h2u - h12 * huu,
+                c1u = h12 * h2u - h22 * h1u;
+    const float det = h11 * c11 + h12 * c12 + h1u * c1u;
+    const float inverse = det > 1e-9f * h11 * h22 * huu ? 1 / det : 0;
+    const float b1 = q.b1[k], b2 = q.b2[k], bu = q.bu[k];
+    float s1 = inverse * (c11 * b1 + c12 * b2 + c1u * bu);
+    float s2 = inverse * (c12 * b1 + (h11 * huu - h1u * h1u) * b2 + (h12 * h1u - h11 * h2u) * bu);
+    float su = inverse * (c1u * b1 + (h12 * h1u - h11 * h2u) * b2 + (h11 * h22 - h12 * h12) * bu);
+    s1 = std::clamp(s1, -kTurnMost, kTurnMost);
+    s2 = std::clamp(s2, -kTurnMost, kTurnMost);
+    su = std::clamp(su, -kScaleMost, kScaleMost);
+    const float x = at.nx[k] + s1 * t.x1[k] + s2 * t.x2[k], y = at.ny[k] + s2 * t.y2[k],
+                z = std::max(at.nz[k] + s1 * t.z1[k] + s2 * t.z2[k], kLowestUp);
+    const float length = std::sqrt(x * x + y * y + z * z);
+    to.nx[k] = x / length;
+    to.ny[k] = y / length;
+    to.nz[k] = z / length;
+    to.u[k] = std::clamp(at.u[k] + su, std::log(kSmallestR), std::log(kLargestR));
+    turn[k] = std::abs(s1) + std::abs(s2) + std::abs(su);
+  }
+  return to;
+}
+
+void takeLane(Lane& to, const Lane& from, int k) { to[k] = from[k]; }
+
+void takeEstimate(Estimate& to, const Estimate& from, int k) {
+  for (auto part :
+       {&Estimate::nx, &Estimate::ny, &Estimate::nz, &Estimate::u, &Estimate::kd, &Estimate::ks})
+    takeLane(to.*part, from.*part, k);
+}
+
+void takeEquations(Equations& to, const Equations& from, int k) {
+  for (auto part :
+       {&Equations::cost, &Equations::h11, &Equations::h12, &Equations::h1u, &Equations::h22,
+        &Equations::h2u, &Equations::huu, &Equations::b1, &Equations::b2, &Equations::bu,
+        &Equations::aa, &Equations::ab, &Equations::bb, &Equations::a1, &Equations::a2,
+        &Equations::au, &Equations::g1, &Equations::g2, &Equations::gu})
+    takeLane(to.*part, from.*part, k);
+}
+
+float predicted(const Samples& s, const Estimate& at, std::size_t i, int k) {
+  const float m = s.m[i][k];
+  return at.kd[k] * s.a[i][k] + (at.ks[k] * (1 - m) + m) * s.g[i][k];
+}
+
+}  // namespace
+
+void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& prior) {
+  constexpr float kTried[] = {0.05f, 0.09f, 0.16f, 0.28f, 0.5f, 0.85f};
+  Estimate best = at;
+  Lane least;
+  for (int k = 0; k < kLanes; ++k) least[k] = HUGE_VALF;
+  Equations q;
+  for (const float r : kTried) {
+    Estimate tried = at;
+    for (int k = 0; k < kLanes; ++k) tried.u[k] = std::log(r);
+    evaluateCost(model, samples, tried, prior, q);
+    for (int k = 0; k < kLanes; ++k)
+      if (q.cost[k] < least[k]) {
+        least[k] = q.cost[k];
+        takeEstimate(best, tried, k);
+      }
+  }
+  at = best;
+}
+
+float curveLogR(int j) {
+  const float low = std::log(kSmallestR), high = std::log(kLargestR);
+  return low + (high - low) * static_cast<float>(j) / (kCurve - 1);
+}
+
+void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& prior,
+               Lane (&curve)[kCurve]) {
+  Equations q;
+  for (int j = 0; j < kCurve; ++j) {
+    Estimate tried = at;
+    for (int k = 0; k < kLanes; ++k) tried.u[k] = curveLogR(j);
+    evaluateCost(model, samples, tried, prior, q);
+    curve[j] = q.cost;
+  }
+}
+
+// The spread is the median of |residual| / sigma over what counts, at least 1: a texel that the
+// model does not meet is not told that it is.
+void reweigh(Samples& samples, const Estimate& at) {
+  std::vector<float> off(samples.count), sorted;
+  sorted.reserve(samples.count);
+  for (int k = 0; k < kLanes; ++k) {
+    sorted.clear();
+    for (std::size_t i = 0; i < samples.count; ++i) {
+      off[i] = (samples.y[i][k] - predicted(samples, at, i, k)) * std::sqrt(samples.noise[i][k]);
+      if (samples.weight[i][k] > 0) sorted.push_back(std::abs(off[i]));
+    }
+    if (sorted.empty()) continue;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const float spread = std::max(1.4826f * *middle, 1.0f);
+    for (std::size_t i = 0; i < samples.count; ++i) {
+      const float n_l =
+          at.nx[k] * samples.lx[i][k] + at.ny[k] * samples.ly[i][k] + at.nz[k] * samples.lz[i][k];
+      const bool attached = n_l < kAttached;
+      const bool cast = samples.y[i][k] < kShadowShare * predicted(samples, at, i, k) &&
+                        off[i] < -kShadowSpread * spread;
+      const float c = off[i] / (kCauchy * spread);
+      samples.weight[i][k] = attached || cast ? 0 : samples.noise[i][k] / (1 + c * c);
+    }
+  }
+}
+
+void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
+            Equations& equations) {
+  for (int round = 0; round < options.rounds; ++round) {
+    evaluate(options.model, samples, at, prior, equations);
+    if (round > 0) {
+      reweigh(samples, at);
+      evaluate(options.model, samples, at, prior, equations);
+    }
+    Lane damp;
+    for (int k = 0; k < kLanes; ++k) damp[k] = 1e-2f;
+    for (int step = 0; step < options.steps; ++step) {
+      Lane turn;
+      Estimate tried = stepFrom(at, tangentsOf(at), equations, damp, turn);
+      Equations there;
+      evaluate(options.model, samples, tried, prior, there);
+      float largest = 0;
+      for (int k = 0; k < kLanes; ++k) {
+        const bool better = there.cost[k] < equations.cost[k];
+        damp[k] = std::clamp(damp[k] * (better ? 0.1f : 10.0f), kDampLeast, kDampMost);
+        if (!better) continue;
+        takeEstimate(at, tried, k);
+        takeEquations(equations, there, k);
+        largest = std::max(largest, turn[k]);
+      }
+      if (largest < kSmallTurn) break;
+    }
+  }
+  evaluate(options.model, samples, at, prior, equations);
+}
+
+}  // namespace patina::brdf::lanes

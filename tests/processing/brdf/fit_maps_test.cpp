@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/brdf/fit_maps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace patina::brdf {
+namespace {
+
+constexpr SizePx kSize{24, 24};
+
+// Costs of a valley at ln r = `at`, of curvature 2 `weight`.
+void plantCurve(FitState& state, int x, int y, float at, float weight) {
+  for (int j = 0; j < lanes::kCurve; ++j) {
+    const float off = lanes::curveLogR(j) - at;
+    state.curve.at(x, y, j) = weight * off * off;
+  }
+}
+
+FitState plainState() {
+  FitState state(kSize, 1);
+  for (float& v : state.look.texels()) v = 0.4f;
+  return state;
+}
+
+TEST(FitMaps, WhatNobodyKnowsAloneNeighboursKnowTogether) {
+  FitState state = plainState();
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) plantCurve(state, x, y, -1.3f, 4);
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(12, 12), -1.3f, 0.01f);
+  EXPECT_GT(prior.log_r_weight.at(12, 12), 100);
+}
+
+TEST(FitMaps, UnlikeTexelsAreNotAsked) {
+  FitState state = plainState();
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      plantCurve(state, x, y, x < 12 ? -1.0f : -2.5f, 20);
+      if (x >= 12) state.look.at(x, y) = 0.8f;
+    }
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(10, 12), -1.0f, 0.02f);
+  EXPECT_NEAR(prior.log_r.at(14, 12), -2.5f, 0.02f);
+}
+
+TEST(FitMaps, NeighboursThatDifferAmongThemselvesHoldLessFirmly) {
+  const auto certainty = [](float apart) {
+    FitState state = plainState();
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x)
+        plantCurve(state, x, y, -1.5f + ((x / 2 + y / 2) % 2 ? apart : -apart), 200);
+    PriorMaps prior(kSize, 1);
+    Progress progress;
+    poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+    return prior.log_r_weight.at(12, 12);
+  };
+  EXPECT_LT(certainty(0.4f), 0.1f * certainty(0));
+}
+
+TEST(FitMaps, AnotherTimeStepIsAWitness) {
+  const FitState state = plainState();  // flat costs
+  const Image<float> specular(24, 24, 1, 0.2f), roughness(24, 24, 1, 0.3f), sure(24, 24, 1, 1.0f);
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  const std::vector<FitBefore> before{{specular.view(), roughness.view(), sure.view()}};
+  poolRoughness(state, before, MultiLightOptions{}, prior, progress);
+  poolSpecular(state, before, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(3, 3), std::log(0.3f), 0.02f);
+  EXPECT_NEAR(prior.specular.at(3, 3), 0.2f, 1e-5f);
+}
+
+TEST(FitMaps, SpecularMeansCountByInformation) {
+  FitState state = plainState();
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      const bool known = (x + y) % 4 == 0;
+      state.specular.at(x, y) = known ? 0.1f : 0.5f;
+      state.specular_weight.at(x, y) = known ? 1e5f : 1;
+    }
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolSpecular(state, {}, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.specular.at(12, 12), 0.1f, 0.01f);
+}
+
+}  // namespace
+}  // namespace patina::brdf
