@@ -145,7 +145,7 @@ Image<float> worked(const std::string& formula, SizePx size, double t, Planes& p
 
 // Spreads the keys of a rate that changes over the result, whose length is, unless it was given,
 // that after which the texel that ages most has come to its end.
-void stretch(ttf::RetimeOptions& options, double length_s) {
+void stretch(ttf::RetimeOptions& options, const ttf::TtfInfo& input, double length_s) {
   const std::size_t keys = options.rates.size();
   double greatest = 0, most = 0;  // of all rates; of the texels' means over time
   for (std::size_t i = 0; i < options.rates[0].rate.texels().size(); ++i) {
@@ -157,8 +157,12 @@ void stretch(ttf::RetimeOptions& options, double length_s) {
     }
     most = std::max(most, sum / static_cast<double>(keys - 1));
   }
-  if (!options.duration_s && most > 0)
-    options.duration_s = length_s / (options.fastest_as_captured ? most / greatest : most);
+  if (!options.duration_s && most > 0) {
+    // Frames come as captured, of the fastest texel: the last one shows the end.
+    const double unit = options.fastest_as_captured ? greatest : 1, steps = input.frames - 1.0;
+    options.duration_s =
+        std::ceil(steps * greatest / most - 1e-9) * length_s * unit / (steps * greatest);
+  }
   for (std::size_t k = 0; k < keys; ++k)
     options.rates[k].time_s =
         options.duration_s.value_or(length_s) * static_cast<double>(k) / (keys - 1.0);
@@ -227,7 +231,7 @@ void controlTime(const TimeControl& control, const ttf::TtfInfo& input, ttf::Ret
       options.rates.push_back({0, worked(rate, size, k / (kRateKeys - 1.0), planes)});
       progress.step();
     }
-    if (changes) stretch(options, length_s);
+    if (changes) stretch(options, input, length_s);
   }
   if (control.start.empty()) return;
   options.start_s = worked(control.start, size, 0, planes);

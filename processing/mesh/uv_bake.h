@@ -18,9 +18,10 @@ struct UvTexel {
 
 class UvBake {
  public:
-  // A texel belongs to the triangle its centre lies in. Throws ProcessingError(kBadData), saying
-  // which: the mesh has no uv, some lie outside of [0,1], none covers a texel's centre, more than 1
-  // of 1000 covered texels is covered twice. O(texels + triangles).
+  // `mesh` outlives it. A texel belongs to the triangle its centre lies in. Throws
+  // ProcessingError(kBadData), saying which: the mesh has no uv, some lie outside of [0,1], none
+  // covers a texel's centre, more than 1 of 1000 covered texels is covered twice. O(texels +
+  // triangles).
   UvBake(const TriangleMesh& mesh, SizePx size);
 
   // [h][w][1] of `of`, called once a covered texel, in parallel. A texel outside of every chart

@@ -49,7 +49,7 @@ TEST_F(TtfKey, RefusesWhatIsNoBackgroundAndLeavesNothing) {
   };
   EXPECT_EQ(key("#58c0"), 64);
   EXPECT_EQ(key("#2020c0"), 65);
-  EXPECT_EQ(key(place("none.png")), 74);
+  EXPECT_EQ(key(place("none.png")), 65);
   EXPECT_FALSE(std::filesystem::exists(place("no")));
 }
 

@@ -45,7 +45,7 @@ TEST_F(TtfRetime, RefusesTwoSurfacesAndMeshesThatAreNone) {
   };
   EXPECT_EQ(exit({"--mesh", wave, "--height", "h.png"}), 64);
   EXPECT_EQ(exit({"--mesh", place("bad.obj")}), 65);
-  EXPECT_EQ(exit({"--mesh", place("none.glb")}), 74);
+  EXPECT_EQ(exit({"--mesh", place("none.glb")}), 65);
   EXPECT_EQ(exit({"--mesh", wave, "--mesh-turn", "90"}), 64);
   EXPECT_EQ(exit({"--light", "1,2"}), 64);
   EXPECT_FALSE(std::filesystem::exists(place("no.h5")));

@@ -90,8 +90,9 @@ TEST(TimeControl, MakesSeveralMapsOfARateThatChangesAndOneOfStarts) {
   ASSERT_GT(options.rates.size(), 2u);
   EXPECT_EQ(options.rates.front().rate.at(3, 3), 1);
   EXPECT_EQ(options.rates.back().rate.at(3, 3), 2);
-  EXPECT_EQ(options.rates.back().time_s, 100 * 2 / 1.5);  // the mean rate is 3/4 of the greatest
-  EXPECT_EQ(options.duration_s, 100 * 2 / 1.5);
+  // The mean rate is 3/4 of the greatest: 13.3 steps, so that the fourteenth shows the end.
+  EXPECT_DOUBLE_EQ(options.rates.back().time_s, 140);
+  EXPECT_DOUBLE_EQ(options.duration_s.value_or(0), 140);
   EXPECT_EQ(options.start_s.at(15, 3), 50);
   EXPECT_EQ(options.start_s.at(5, 3), 0);
 }
