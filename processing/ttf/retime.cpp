@@ -134,7 +134,7 @@ class History {
 template <class Stored>
 Stored stored(double v) {
   if constexpr (std::is_same_v<Stored, std::uint16_t>)
-    return static_cast<std::uint16_t>(std::clamp(v, 0.0, 65535.0) + 0.5);
+    return static_cast<std::uint16_t>(std::floor(std::clamp(v, 0.0, 65535.0) + 0.5));
   else
     return static_cast<Stored>(static_cast<float>(v));
 }
