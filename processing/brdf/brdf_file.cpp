@@ -115,6 +115,7 @@ void writeMapsInto(const fs::path& folder, const BrdfSetInfo& info, const BrdfMa
   std::vector<std::string> names;
   const auto write = [&](const std::string& name, const Image<float>& map) {
     if (map.empty()) return;
+    fs::create_directories((folder / name).parent_path());
     writeExr(folder / (name + ".exr"), map.view());
     names.push_back(name);
   };

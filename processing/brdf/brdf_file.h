@@ -45,7 +45,8 @@ struct BrdfMaps {
   Image<float> specular;   // [h][w][1 or 3]
   Image<float> roughness;  // [h][w][1]
   Image<float> normal;     // [h][w][3]
-  // By file name: "Height" (mm), "degree", "Confidence" ... [h][w][1 or 3]
+  // By file name: "Height" (mm), "degree", "Confidence" ... [h][w][1 or 3]. Those in folders
+  // ("residual/00") are written, and left to whoever asks for them.
   std::map<std::string, Image<float>> extra;
 };
 

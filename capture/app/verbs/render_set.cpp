@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/app/verbs/render_set.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "capture/workflow/reflectance_fit.h"
+#include "processing/brdf/brdf_file.h"
+#include "processing/image/encoding.h"
+#include "processing/image/picture_file.h"
+
+namespace patina::app {
+namespace {
+
+brdf::Vec3 lightOf(const std::string& text) {
+  brdf::Vec3 l;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%f,%f,%f%c", &l.x, &l.y, &l.z, &rest) != 3 ||
+      !std::isfinite(brdf::length(l)) || !(brdf::length(l) > 0))
+    throw AppError(Exit::kUsage, "--light is '" + text + "'; it takes a direction: 0.2,-0.24,0.95");
+  if (!(l.z > 0))
+    throw AppError(Exit::kUsage, "--light lies behind the surface: its third number is above 0");
+  return brdf::normalized(l);
+}
+
+Image<float> converted(const workflow::SetPicture& seen, bool to_linear) {
+  Image<float> out = seen.picture;
+  for (float& v : out.texels()) {
+    if (seen.stored && to_linear) v = linearFromSrgb(std::min(std::max(v, 0.0f), 1.0f));
+    if (!seen.stored && !to_linear) v = srgbFromLinear(std::min(std::max(v, 0.0f), 1.0f));
+  }
+  return out;
+}
+
+void write(const workflow::SetPicture& seen, const std::filesystem::path& out) {
+  if (out.extension() == ".exr") {
+    const Image<float> linear = converted(seen, true);
+    writeExr(out, linear.view());
+    return;
+  }
+  const Image<float> stored = converted(seen, false);
+  Image<std::uint8_t> bytes(stored.width(), stored.height(), stored.channels());
+  for (std::size_t i = 0; i < bytes.texels().size(); ++i)
+    bytes.texels()[i] = static_cast<std::uint8_t>(
+        std::lround(255 * std::min(std::max(stored.texels()[i], 0.0f), 1.0f)));
+  writePng(out, bytes.view());
+}
+
+}  // namespace
+
+void renderSet(Context& context, const RenderSetOptions& options) {
+  const std::string kind = std::filesystem::path(options.out).extension().string();
+  if (kind != ".png" && kind != ".exr")
+    throw AppError(Exit::kUsage, "--out is '" + options.out + "'; it ends in .png or .exr");
+  if (!options.top) throw AppError(Exit::kUsage, "a set is seen from straight above: give --top");
+  const brdf::Vec3 light = lightOf(options.light);
+  const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(options.set);
+  const int step = brdf::nearestStep(info, options.time);
+  const workflow::SetPicture seen = workflow::pictureOfSet(options.set, step, light);
+  write(seen, options.out);
+  context.out.asList();
+  Item item;
+  item.set("path", options.out.c_str());
+  item.set("width_px", seen.picture.width()).set("height_px", seen.picture.height());
+  if (!info.times.empty()) item.set("time", Value{info.times[static_cast<std::size_t>(step)]});
+  item.set("residual", Value{seen.stored});
+  context.out.add(std::move(item));
+}
+
+}  // namespace patina::app
