@@ -26,13 +26,8 @@ double edgeCost(double s, double t) {
 class GridFlow {
  public:
   GridFlow(ImageView<const double> difference, ImageView<const Side> side)
-      : width_(difference.width), height_(difference.height), side_(side) {
-    const std::size_t n = static_cast<std::size_t>(width_) * height_;
-    residual_.resize(n);
-    from_source_.resize(n);
-    to_sink_.resize(n);
-    level_.resize(n);
-    arc_.resize(n);
+      : GridFlow(difference.width, difference.height) {
+    side_ = side;
     double largest = 0;
     forEdges([&](int s, int t, int) {
       largest = std::max(largest, edgeCost(difference.data[s], difference.data[t]));
@@ -42,6 +37,20 @@ class GridFlow {
       connect(s, t, d, 1 + std::llround(scale * edgeCost(difference.data[s], difference.data[t])));
     });
   }
+  // Old stands for 0, new for 1; all texels are free.
+  explicit GridFlow(const GridTerms& terms) : GridFlow(terms.one.width(), terms.one.height()) {
+    const std::vector<double>&one = terms.one.texels(), &right = terms.right.texels(),
+          &down = terms.down.texels();
+    double largest = 0;
+    for (std::size_t v = 0; v < one.size(); ++v)
+      largest = std::max({largest, std::abs(one[v]), right[v], down[v]});
+    const double scale = largest > 0 ? 0x1p40 / largest : 0;
+    for (std::size_t v = 0; v < one.size(); ++v)
+      (one[v] > 0 ? from_source_ : to_sink_)[v] = std::llround(scale * std::abs(one[v]));
+    forEdges([&](int s, int, int d) {
+      residual_[s][d] = std::llround(scale * (d == 0 ? right : down)[s]);
+    });
+  }
 
   void run() {
     while (layer())
@@ -49,9 +58,7 @@ class GridFlow {
   }
 
   // After run(): texels that the source still reaches.
-  bool isOld(int v) const {
-    return side_.data[v] == Side::kOld || (side_.data[v] == Side::kFree && level_[v] >= 0);
-  }
+  bool isOld(int v) const { return isFree(v) ? level_[v] >= 0 : side_.data[v] == Side::kOld; }
 
   template <class Use>
   void forEdges(const Use& use) const {
@@ -64,7 +71,16 @@ class GridFlow {
   }
 
  private:
-  bool isFree(int v) const { return side_.data[v] == Side::kFree; }
+  GridFlow(int width, int height) : width_(width), height_(height) {
+    const std::size_t n = static_cast<std::size_t>(width_) * height_;
+    residual_.resize(n);
+    from_source_.resize(n);
+    to_sink_.resize(n);
+    level_.resize(n);
+    arc_.resize(n);
+  }
+
+  bool isFree(int v) const { return side_.empty() || side_.data[v] == Side::kFree; }
 
   void connect(int s, int t, int d, Flow capacity) {
     if (isFree(s) && isFree(t)) {
@@ -138,7 +154,7 @@ class GridFlow {
   }
 
   int width_, height_;
-  ImageView<const Side> side_;
+  ImageView<const Side> side_;  // empty: all are free
   std::vector<std::array<Flow, 4>> residual_;
   std::vector<Flow> from_source_, to_sink_;
   std::vector<int> level_, arc_, queue_, sources_, path_;
@@ -160,6 +176,16 @@ GridCut minimumCut(ImageView<const double> difference, ImageView<const Side> sid
     ++cut.cut_edges;
   });
   return cut;
+}
+
+Image<std::uint8_t> minimumChoice(const GridTerms& terms) {
+  PATINA_CHECK(terms.one.size() == terms.right.size() && terms.one.size() == terms.down.size());
+  GridFlow flow(terms);
+  flow.run();
+  Image<std::uint8_t> choice(terms.one.width(), terms.one.height(), 1);
+  for (int v = 0; v < choice.width() * choice.height(); ++v)
+    choice.texels()[static_cast<std::size_t>(v)] = !flow.isOld(v);
+  return choice;
 }
 
 }  // namespace patina::patch

@@ -28,4 +28,12 @@ struct GridCut {
 // O(texels^1.5).
 GridCut minimumCut(ImageView<const double> difference, ImageView<const Side> side);
 
+// A choice of 0 or 1 at every texel: the sum of what `one` says where 1 is chosen (less than 0: it
+// is wanted) and of `right`, `down` where a texel has 0 and its neighbour on that side 1.
+struct GridTerms {
+  Image<double> one, right, down;  // [h][w]; the latter two are not below 0
+};
+// [h][w]: the choice of least sum, exactly; ties go to 1.
+Image<std::uint8_t> minimumChoice(const GridTerms& terms);
+
 }  // namespace patina::patch

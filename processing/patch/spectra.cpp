@@ -73,9 +73,12 @@ void Spectra::forward(int rows, const std::function<void(float*)>& fill, Spectru
   plane.assign(static_cast<std::size_t>(rows) * padded_.width, 0.0f);
   fill(plane.data());
   out.resize(plans_->bins);
-  for (int y = 0; y < rows; ++y)
+  for (int y = 0; y < rows; ++y) {
+    std::complex<float>* row = out.data() + y * width;
     fftwf_execute_dft_r2c(plans_->row, plane.data() + static_cast<std::size_t>(y) * padded_.width,
-                          raw(out.data() + y * width));
+                          raw(row));
+    std::fill(row + padded_.width / 2 + 1, row + width, std::complex<float>());
+  }
   std::fill(out.begin() + static_cast<std::ptrdiff_t>(rows * width), out.end(),
             std::complex<float>());
   for (std::size_t x = 0; x < width; x += kColumns)

@@ -276,9 +276,11 @@ RetimeReport retimeTtf(const TtfReader& input, const RetimeOptions& options,
   const std::vector<double> times = retimedTimes(info, options);
   const auto samples = [&](RectPx region) { return input.block(0, info.frames, region); };
   const auto linear = [&](RectPx region) { return input.linearBlock(0, info.frames, region); };
+  if (info.type == SampleType::kU8) info.type = SampleType::kU16;  // ages lie between its codes
   VolumeFile file(out, info, false);
   file.extend(static_cast<int>(times.size()));
   switch (info.type) {
+    case SampleType::kU8:
     case SampleType::kU16:
       writeColumns<std::uint16_t, std::uint16_t>(samples, info, options, times, file, progress);
       break;

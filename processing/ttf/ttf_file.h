@@ -3,6 +3,7 @@
 // (design, section 6). Readable with h5py alone. Streams: memory is a few chunks, at any length.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -14,12 +15,13 @@
 
 namespace patina::ttf {
 
-enum class SampleType { kU16, kF16, kF32 };
+// kU8 is encoded (sRGB of linear / scale); all others are linear.
+enum class SampleType { kU8, kU16, kF16, kF32 };
 
 struct TtfInfo {
   int frames = 0, height = 0, width = 0, channels = 3;
   SampleType type = SampleType::kU16;
-  double scale = 1.0;       // linear value of sample 65535 (u16)
+  double scale = 1.0;       // linear value of sample 65535 (u16) or 255 (u8)
   double mm_per_texel = 0;  // 0: unknown
   UtcTime t0_utc;
   std::vector<double> time_s;
@@ -38,7 +40,8 @@ class TtfWriter {
   TtfWriter& operator=(const TtfWriter&) = delete;
   // Times may not fall; a NaN or an infinity is refused (kBadData). u16: rounded, clamped.
   void add(ImageView<const float> linear, double time_s, const Sha256& source);
-  // Samples as they are stored; in a float volume sample * scale / 65535.
+  // Samples as they are stored; in a float volume sample * scale / 65535, in one of u8 the nearest
+  // code (that of a sample read from such a volume is the same again).
   void add(ImageView<const std::uint16_t> samples, double time_s, const Sha256& source);
   std::int64_t clippedSamples() const;  // of the floats added: outside [0, scale]
   void close();                         // throws ProcessingError(kIo) and leaves nothing
@@ -60,6 +63,8 @@ class TtfReader {  // Thread-bound.
   // Frames [t_first, t_first + count) of a region: [t][y][x][c], u16.
   std::vector<std::uint16_t> block(int t_first, int count, RectPx region) const;
   std::vector<float> linearBlock(int t_first, int count, RectPx region) const;  // the same, linear
+  // The same as they are stored, into room for count * region * channels of them.
+  void storedBlock(int t_first, int count, RectPx region, std::byte* out) const;
 
  private:
   struct State;

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "processing/image/encoding.h"
 #include "processing/ttf/hdf5_bridge.h"
 #include "processing/ttf/ttf_file.h"
+#include "processing/ttf/volume_file.h"
 
 namespace patina::ttf {
 namespace {
@@ -45,11 +47,11 @@ SampleType sampleTypeOf(const Checker& check, hid_t set) {
   const Handle type = check.handle(H5Dget_type(set), H5Tclose, "/frames has no type");
   const std::size_t bytes = H5Tget_size(type.id());
   const H5T_class_t kind = H5Tget_class(type.id());
-  if (kind == H5T_INTEGER && bytes == 2 && H5Tget_sign(type.id()) == H5T_SGN_NONE)
-    return SampleType::kU16;
+  if (kind == H5T_INTEGER && bytes <= 2 && H5Tget_sign(type.id()) == H5T_SGN_NONE)
+    return bytes == 1 ? SampleType::kU8 : SampleType::kU16;
   if (kind == H5T_FLOAT && bytes == 2) return SampleType::kF16;
   if (kind == H5T_FLOAT && bytes == 4) return SampleType::kF32;
-  check.fail("/frames is neither u16 nor f16 nor f32 (linear)");
+  check.fail("/frames is neither u8 (encoded) nor u16 nor f16 nor f32 (linear)");
 }
 
 // Opens /name, one-dimensional, of `length`.
@@ -167,8 +169,9 @@ TtfReader::State::State(const std::filesystem::path& path) : check(path, Exit::k
   const std::string schema = readText(check, file.id(), "schema", "patina.ttf/1");
   check.require(schema == "patina.ttf/1",
                 "is of schema '" + schema + "'; this program reads patina.ttf/1");
-  const std::string encoding = readText(check, file.id(), "encoding", "linear");
-  check.require(encoding == "linear", "is encoded as '" + encoding + "', not linear");
+  const std::string encoding = readText(check, file.id(), "encoding", "linear"),
+                    wanted = info.type == SampleType::kU8 ? "srgb" : "linear";
+  check.require(encoding == wanted, "is encoded as '" + encoding + "', not " + wanted);
   info.scale = readNumber(check, file.id(), "scale", H5T_NATIVE_DOUBLE, 1.0);
   check.require(info.scale > 0 && std::isfinite(info.scale), "attribute scale is not above 0");
   info.mm_per_texel = readNumber(check, file.id(), "mm_per_texel", H5T_NATIVE_DOUBLE, 0.0);
@@ -185,8 +188,7 @@ void TtfReader::State::openFrames(const Shape& shape) {
   if (H5Pget_layout(layout.id()) != H5D_CHUNKED) return;
   hsize_t chunk[4] = {};
   check.require(H5Pget_chunk(layout.id(), 4, chunk) == 4, "/frames has odd chunks");
-  const hsize_t bytes =
-      chunk[0] * chunk[1] * chunk[2] * chunk[3] * (info.type == SampleType::kF32 ? 4 : 2);
+  const hsize_t bytes = chunk[0] * chunk[1] * chunk[2] * chunk[3] * bytesOf(info.type);
   const hsize_t chunks =
       ((shape.y + chunk[1] - 1) / chunk[1]) * ((shape.x + chunk[2] - 1) / chunk[2]);
   const bool filtered = H5Pget_nfilters(layout.id()) > 0;
@@ -224,6 +226,16 @@ void TtfReader::State::read(int t_first, int count, RectPx region, hid_t memory_
 
 namespace {
 
+// What a code of u8 means, linear / scale.
+const std::vector<float>& codes() {
+  static const std::vector<float> table = [] {
+    std::vector<float> linear;
+    for (int code = 0; code < 256; ++code) linear.push_back(linearFromSrgb(code / 255.0f));
+    return linear;
+  }();
+  return table;
+}
+
 void forSamples(std::size_t count, const auto& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1 << 16), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
@@ -246,6 +258,14 @@ std::vector<std::uint16_t> TtfReader::block(int t_first, int count, RectPx regio
   std::vector<std::uint16_t> out(samples);
   if (info.type == SampleType::kU16) {
     state_->read(t_first, count, region, H5T_NATIVE_UINT16, out.data());
+    return out;
+  }
+  if (info.type == SampleType::kU8) {
+    std::vector<std::uint8_t> stored(samples);
+    state_->read(t_first, count, region, H5T_NATIVE_UINT8, stored.data());
+    std::vector<std::uint16_t> linear;
+    for (float v : codes()) linear.push_back(static_cast<std::uint16_t>(v * 65535 + 0.5f));
+    forSamples(samples, [&](std::size_t i) { out[i] = linear[stored[i]]; });
     return out;
   }
   std::vector<float> linear(samples);
@@ -271,6 +291,13 @@ std::vector<float> TtfReader::linearBlock(int t_first, int count, RectPx region)
   const TtfInfo& info = state_->info;
   std::vector<float> out(static_cast<std::size_t>(std::max(count, 0)) * std::max(region.width, 0) *
                          std::max(region.height, 0) * info.channels);
+  if (info.type == SampleType::kU8) {
+    std::vector<std::uint8_t> stored(out.size());
+    state_->read(t_first, count, region, H5T_NATIVE_UINT8, stored.data());
+    const float full = static_cast<float>(info.scale);
+    forSamples(out.size(), [&](std::size_t i) { out[i] = codes()[stored[i]] * full; });
+    return out;
+  }
   if (info.type != SampleType::kU16) {
     state_->read(t_first, count, region, H5T_NATIVE_FLOAT, out.data());
     return out;
@@ -279,6 +306,11 @@ std::vector<float> TtfReader::linearBlock(int t_first, int count, RectPx region)
   const float gain = static_cast<float>(info.scale / 65535.0);
   forSamples(samples.size(), [&](std::size_t i) { out[i] = samples[i] * gain; });
   return out;
+}
+
+void TtfReader::storedBlock(int t_first, int count, RectPx region, std::byte* out) const {
+  const Handle type = storedType(state_->info.type);
+  state_->read(t_first, count, region, type.id(), out);
 }
 
 Image<float> TtfReader::linearFrame(int t) const {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "processing/image/encoding.h"
 #include "processing/ttf/ttf_file.h"
 #include "processing/ttf/volume_file.h"
 
@@ -46,6 +47,26 @@ int convert(const float* in, int count, double, float* out) {
 int convert(const std::uint16_t* in, int count, double, std::uint16_t* out) {
   std::copy_n(in, count, out);
   return 0;
+}
+// Codes of sRGB, by a table of all u16.
+const std::vector<std::uint8_t>& codes() {
+  static const std::vector<std::uint8_t> table = [] {
+    std::vector<std::uint8_t> code;
+    for (int v = 0; v < 65536; ++v)
+      code.push_back(static_cast<std::uint8_t>(srgbFromLinear(v / 65535.0f) * 255 + 0.5f));
+    return code;
+  }();
+  return table;
+}
+int convert(const std::uint16_t* in, int count, double, std::uint8_t* out) {
+  for (int i = 0; i < count; ++i) out[i] = codes()[in[i]];
+  return 0;
+}
+int convert(const float* in, int count, double scale, std::uint8_t* out) {
+  std::vector<std::uint16_t> linear(count);
+  const int clipped = convert(in, count, scale, linear.data());
+  convert(linear.data(), count, scale, out);
+  return clipped;
 }
 template <class Float>
 int convert(const std::uint16_t* in, int count, double scale, Float* out) {
@@ -122,6 +143,9 @@ void TtfWriter::State::add(ImageView<const T> frame, double time_s, const Sha256
     throw ProcessingError(Exit::kBadData, which + " is at " + std::to_string(time_s) +
                                               " s, before the one added last");
   switch (info.type) {
+    case SampleType::kU8:
+      scatter<T, std::uint8_t>(frame);
+      break;
     case SampleType::kU16:
       scatter<T, std::uint16_t>(frame);
       break;

@@ -29,7 +29,24 @@ void syncPath(const Checker& check, const std::filesystem::path& path, int flags
 
 }  // namespace
 
-std::size_t bytesOf(SampleType type) { return type == SampleType::kF32 ? 4 : 2; }
+std::size_t bytesOf(SampleType type) {
+  return type == SampleType::kF32 ? 4 : type == SampleType::kU8 ? 1 : 2;
+}
+
+Handle storedType(SampleType type) {
+  const Session session;
+  switch (type) {
+    case SampleType::kU8:
+      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
+    case SampleType::kU16:
+      return {H5Tcopy(H5T_STD_U16LE), H5Tclose};
+    case SampleType::kF16:
+      return hdf5::halfType();
+    case SampleType::kF32:
+      break;
+  }
+  return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
+}
 
 VolumeFile::VolumeFile(const std::filesystem::path& out, const TtfInfo& about, bool compress)
     : check_(out, Exit::kIo),
@@ -59,11 +76,7 @@ VolumeFile::VolumeFile(const std::filesystem::path& out, const TtfInfo& about, b
   if (!file_.valid())
     throw ProcessingError(Exit::kCannotCreate, out.string() + ": cannot be created there");
 
-  sample_type_ =
-      about.type == SampleType::kF16
-          ? hdf5::halfType()
-          : Handle(H5Tcopy(about.type == SampleType::kU16 ? H5T_STD_U16LE : H5T_IEEE_F32LE),
-                   H5Tclose);
+  sample_type_ = storedType(about.type);
   const auto h = static_cast<hsize_t>(height_), w = static_cast<hsize_t>(width_),
              c = static_cast<hsize_t>(channels_);
   const hsize_t chunk[4] = {kChunkFrames, static_cast<hsize_t>(chunk_.height),
@@ -136,7 +149,7 @@ void VolumeFile::writeAttributes(const TtfInfo& info) {
   };
   const std::int64_t t0 = toNs(info.t0_utc);
   addText("schema", "patina.ttf/1");
-  addText("encoding", "linear");
+  addText("encoding", info.type == SampleType::kU8 ? "srgb" : "linear");
   attribute("scale", H5T_IEEE_F64LE, &info.scale);
   attribute("mm_per_texel", H5T_IEEE_F64LE, &info.mm_per_texel);
   attribute("t0_utc_ns", H5T_STD_I64LE, &t0);

@@ -12,6 +12,7 @@
 namespace patina::ttf {
 
 std::size_t bytesOf(SampleType type);
+hdf5::Handle storedType(SampleType type);
 
 // Written under a temporary name, which goes with this object unless publish() was called.
 class VolumeFile {

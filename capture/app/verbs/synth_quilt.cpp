@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina synth quilt: a larger texture from a smaller one, block by block.
+#include <cstdio>
+#include <cstdlib>
+
 #include "capture/app/context.h"
+#include "capture/app/verbs/synth_verbs.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/workflow/products.h"
 #include "capture/workflow/sequence.h"
+#include "processing/image/picture_file.h"
+#include "processing/synthesis/quilting/block_size.h"
 #include "processing/synthesis/quilting/ttf_quilting.h"
 
 namespace patina::app {
@@ -12,8 +18,42 @@ namespace {
 struct Options {
   std::string in, out;
   quilting::QuiltingOptions quilting;
+  std::string keep;
   double rank_error = 0;
 };
+
+constexpr SizePx kFromTheData{-1, -1};
+SizePx parseBlock(const std::string& text) {
+  return text == "auto" ? kFromTheData : parseSize(text);
+}
+
+quilting::PointPx parsePoint(const std::string& text) {
+  quilting::PointPx point;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d,%d%c", &point.x, &point.y, &rest) != 2)
+    throw AppError(Exit::kUsage, "'" + text + "' is no place: X,Y in pixels, such as 40,25");
+  return point;
+}
+std::optional<quilting::PointPx> parseFirst(const std::string& text) { return parsePoint(text); }
+
+constexpr double kAsNeeded = -1;
+double parseBlend(const std::string& text) {
+  if (text == "auto") return kAsNeeded;
+  char* end = nullptr;
+  const double px = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != 0 || !(px >= 0 && px <= 256))
+    throw AppError(Exit::kUsage, "--blend is '" + text + "'; allowed: auto, or 0 to 256 pixels");
+  return px;
+}
+
+// White of a picture stays.
+Image<std::uint8_t> maskOf(const std::string& file) {
+  const Picture picture = readPicture(file);
+  Image<std::uint8_t> mask(picture.linear.width(), picture.linear.height(), 1);
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) mask.at(x, y) = picture.linear.at(x, y, 0) > 0.2f;
+  return mask;
+}
 
 std::string sizeText(SizePx size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
@@ -39,6 +79,15 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   making.options.text("size", sizeText(options.quilting.size));
   const SizePx block = options.quilting.blockFor({input.width, input.height});
   making.options.text("block", sizeText(block));
+  if (options.quilting.first)
+    making.options.text("first", std::to_string(options.quilting.first->x) + "," +
+                                     std::to_string(options.quilting.first->y));
+  if (!options.keep.empty()) {
+    making.input_sha256s.push_back(sha256OfFile(options.keep).hex());
+    making.options.text("keep_from", std::to_string(options.quilting.keep_from.x) + "," +
+                                         std::to_string(options.quilting.keep_from.y));
+  }
+  making.options.count("seam_sweeps", options.quilting.seam_sweeps);
   making.options.count("overlap", options.quilting.overlapFor(block));
   making.options.count("rank", options.quilting.svd_rank);
   if (options.quilting.rank_error)
@@ -52,7 +101,10 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
     making.options.number("low_frequency_px", options.quilting.lowFrequencyFor(block));
   making.options.count("jitter_frames", options.quilting.jitter_frames);
   making.options.count("jitter_event_frames", options.quilting.jitter_event_frames);
-  making.options.number("blend_px", options.quilting.blend_px);
+  if (options.quilting.blend_auto)
+    making.options.text("blend", "auto");
+  else
+    making.options.number("blend_px", options.quilting.blend_px);
   return making;
 }
 
@@ -61,15 +113,29 @@ constexpr double kSeamRatioSeen = 1.25;
 
 void quilt(Context& context, Options& options) {
   options.quilting.seed = context.seed();
+  if (options.quilting.blend_px == kAsNeeded) {
+    options.quilting.blend_px = 0;
+    options.quilting.blend_auto = true;
+  }
   if (options.rank_error > 0) options.quilting.rank_error = options.rank_error;
   const ttf::TtfReader input(options.in);
+  std::string reason = "as asked";
+  if (options.quilting.block_px == SizePx{}) reason = "a sixth of the sample";
+  if (options.quilting.block_px == kFromTheData) {
+    const quilting::BlockProposal proposal =
+        quilting::proposeBlock(quilting::QuiltingSource(input, nullptr));
+    options.quilting.block_px = proposal.block;
+    reason = proposal.reason;
+  }
+  if (!options.keep.empty()) options.quilting.keep = maskOf(options.keep);
+  const SizePx block = options.quilting.blockFor({input.info().width, input.info().height});
   const quilting::QuiltingReport report =
       quilting::quiltTtf(input, options.quilting, options.out,
                          makingOf(options, input.info()).facts().json(), context.progress);
-  if (report.seam_ratio_frames > kSeamRatioSeen && options.quilting.blend_px == 0)
+  if (report.seam_ratio_frames > kSeamRatioSeen && report.blend_px == 0)
     context.warn("seams may show: across them the gradient is " +
                  std::to_string(report.seam_ratio_frames).substr(0, 4) +
-                 " times that inside; --blend 12 corrects what lies beside them");
+                 " times that inside; --blend auto corrects what lies beside them");
   context.out.asList();
   context.out.add(std::move(Item()
                                 .set("path", options.out.c_str())
@@ -77,11 +143,15 @@ void quilt(Context& context, Options& options) {
                                 .set("height_px", options.quilting.size.height)
                                 .set("frames", input.info().frames)
                                 .set("blocks", report.blocks)
+                                .set("block", sizeText(block).c_str())
+                                .set("block_reason", reason.c_str())
                                 .set("rank", report.rank)
                                 .set("svd_error", Value{report.svd_error})
                                 .set("seam_cost_mean", Value{report.seam_cost_mean})
+                                .set("texels_recut", report.texels_recut)
                                 .set("seam_ratio", Value{report.seam_ratio})
                                 .set("seam_ratio_frames", Value{report.seam_ratio_frames})
+                                .set("blend_px", Value{report.blend_px})
                                 .set("seed", static_cast<std::int64_t>(options.quilting.seed))));
 }
 
@@ -96,8 +166,9 @@ void addSynthVerbs(Verb root) {
             [o](Context& context) { quilt(context, *o); })
       .required("IN", o->in, "A texture's .h5 file")
       .option("--size", o->quilting.size, parseSize, "WxH", "Of the result, in pixels")
-      .option("--block", o->quilting.block_px, parseSize, "WxH",
-              "Of a block; tall for what grows (default: a sixth of the sample)")
+      .option("--block", o->quilting.block_px, parseBlock, "WxH",
+              "Of a block; tall for what grows; auto: by the size of features over time (default: "
+              "a sixth of the sample)")
       .option("--overlap", o->quilting.overlap_px, 0, 4096,
               "Of neighbouring blocks, in pixels (default: two fifths of a block)")
       .option("--rank", o->quilting.svd_rank, 1, 1000, "Components to compare blocks by, at most")
@@ -114,16 +185,26 @@ void addSynthVerbs(Verb root) {
           "and put back over the result")
       .option("--low-frequency-px", o->quilting.low_frequency_px, 0.0, 65535.0,
               "What counts as slow: the Gaussian's sigma (default: a block's side)")
-      .option("--blend", o->quilting.blend_px, 0.0, 256.0,
-              "Reach of a correction beside seams, in pixels (default: 0, pure copies)")
+      .option("--blend", o->quilting.blend_px, parseBlend, "PX",
+              "Reach of a correction beside seams, in pixels; auto: the least that they need "
+              "(default: 0, pure copies)")
       .option("--jitter", o->quilting.jitter_frames, 0, 10000,
               "Frames by which a block may wander about its true time, so that copies differ")
       .option("--jitter-events", o->quilting.jitter_event_frames, 0, 10000,
               "Frames by which a block may change early or late as a whole")
+      .option("--seam-sweeps", o->quilting.seam_sweeps, 0, 20,
+              "Times that all seams are cut anew at the end, each block in turn")
+      .option("--first", o->quilting.first, parseFirst, "X,Y",
+              "Corner in the sample of the first block, that at the upper left")
+      .option("--keep", o->keep, "MASK",
+              "A picture of the result's size: where it is white the sample itself stays")
+      .option("--keep-from", o->quilting.keep_from, parsePoint, "X,Y",
+              "What of the sample would stay at the result's corner (default: 0,0)")
       .flag("--tile", o->quilting.tile, "A result that wraps around")
       .option("--out", o->out, "FILE.h5", "Where to")
       .demand("--size")
       .demand("--out");
+  addSynthRankVerb(synth);
 }
 
 }  // namespace patina::app

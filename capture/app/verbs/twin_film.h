@@ -6,5 +6,6 @@
 namespace patina::app {
 
 void addTwinFilmVerb(Verb specimens);  // twin specimens film
+void addTwinTtfVerb(Verb specimens);   // twin specimens ttf
 
 }  // namespace patina::app

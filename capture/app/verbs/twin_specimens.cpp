@@ -76,6 +76,7 @@ void addTwinVerbs(Verb root) {
       .option("--out", o->out, "FOLDER", "Where to")
       .demand("--out");
   addTwinFilmVerb(specimens);
+  addTwinTtfVerb(specimens);
   addTwinCameraVerb(twin);
 }
 

@@ -33,6 +33,18 @@ Canvas::Canvas(ImageView<const float> features, SizePx size, SizePx block, bool 
       at_true_time_(warps ? block.width : 0, warps ? block.height : 0, features.channels),
       known_(block.width, block.height, 1) {}
 
+void Canvas::keep(ImageView<const std::uint8_t> mask, int from_x, int from_y, int index) {
+  kept_ = Image<std::uint8_t>(size_.width, size_.height, 1);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (mask.at(x, y) == 0) continue;
+      kept_.at(x, y) = 1;
+      source_.at(x, y, 0) = from_x + x;
+      source_.at(x, y, 1) = from_y + y;
+      index_.at(x, y) = index;
+    }
+}
+
 patch::Overlap Canvas::look(int x, int y, int index) {
   x_ = x;
   y_ = y;
@@ -106,7 +118,8 @@ patch::GridCut Canvas::paste(int source_x, int source_y) {
   for (int j = 0; j < block_.height; ++j)
     for (int i = 0; i < block_.width; ++i)
       if (known_.at(i, j))
-        side.at(i, j) = bordersOld(i, j) ? patch::Side::kOld : patch::Side::kFree;
+        side.at(i, j) =
+            bordersOld(i, j) || isKept(x_ + i, y_ + j) ? patch::Side::kOld : patch::Side::kFree;
   patch::GridCut cut = patch::minimumCut(difference.view(), std::as_const(side).view());
   for (int j = 0; j < block_.height; ++j)
     for (int i = 0; i < block_.width; ++i) {

@@ -16,6 +16,9 @@ class Canvas {
   Canvas(ImageView<const float> features, SizePx size, SizePx block, bool wraps,
          const TimeWarps* warps = nullptr);
 
+  // Shows the source from (from_x, from_y) on wherever `mask` is not 0, as block `index`, for good.
+  void keep(ImageView<const std::uint8_t> mask, int from_x, int from_y, int index);
+
   // What lies under block `index` at (x,y), as a search at its true time needs it; valid until the
   // next look().
   patch::Overlap look(int x, int y, int index);
@@ -26,6 +29,12 @@ class Canvas {
   double seamEstimate(int source_x, int source_y, int overlap) const;
   // Lays it there, cut where it differs least.
   patch::GridCut paste(int source_x, int source_y);
+
+  // Lets block `index`, laid at (x,y), take whatever of its place lowers the cost of all seams
+  // there, old ones too (Kwatra et al. 2003, section 3.1; an expansion move of Boykov et al. 2001).
+  // A seam between neighbours costs how far their sources are apart at both, as distances: these
+  // keep to the triangle inequality, so the minimum is exact. Returns the texels that changed.
+  std::int64_t expand(int x, int y, int index, int source_x, int source_y);
 
   Quilt cropped(SizePx size) const;
   Image<float> shown(SizePx size) const;  // its features, every block at its own time
@@ -38,10 +47,19 @@ class Canvas {
   std::span<std::int32_t> sourceAt(int x, int y) {
     return source_.view().texel(wrapped(x, size_.width), wrapped(y, size_.height));
   }
+  bool isKept(int x, int y) const {
+    return !kept_.empty() && kept_.at(wrapped(x, size_.width), wrapped(y, size_.height)) != 0;
+  }
   bool isCovered(int x, int y) const {
     return isOn(x, y) && source_.at(wrapped(x, size_.width), wrapped(y, size_.height), 0) >= 0;
   }
   bool bordersOld(int i, int j) const;
+  struct Copy {
+    int index, x, y;  // block and source texel
+    bool operator==(const Copy&) const = default;
+  };
+  Copy copyAt(int x, int y) const;
+  double seamCost(const Copy& here, const Copy& there, int step_x, int step_y) const;
   // The features of a source texel as block `index` shows them.
   void shownBy(int index, int source_x, int source_y, float* out) const;
   // Squared feature difference of what is there and the source block; -1 where nothing is there.
@@ -52,6 +70,7 @@ class Canvas {
   bool wraps_;
   const TimeWarps* warps_;
   Image<std::int32_t> source_, index_;  // -1: nothing there yet
+  Image<std::uint8_t> kept_;            // empty: nothing
 
   int x_ = 0, y_ = 0, looking_ = 0;  // last looked at, and for which block
   Image<float> target_;              // as it is shown

@@ -17,7 +17,8 @@
 namespace patina::quilting {
 namespace {
 
-constexpr int kTries = 64;  // candidates whose seams are looked at
+constexpr std::int64_t kTexelsMost = 40'000'000;  // of the source: 60 bytes of features each
+constexpr int kTries = 64;                        // candidates whose seams are looked at
 
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
@@ -65,7 +66,11 @@ class Quilter {
                options.repetition_penalty, verbatimPx(features.size(), options.verbatim)),
         floor_per_texel_(0.05 * neighbourDistance(features)),
         canvas_(features, canvas, block, options.tile, warps),
-        warps_(warps) {}
+        warps_(warps) {
+    if (options.keep.empty()) return;
+    if (warps_) warps_->add();
+    canvas_.keep(options.keep.view(), options.keep_from.x, options.keep_from.y, index_++);
+  }
 
   void place(int x, int y) {
     const std::uint64_t draw = hashSeed(options_.seed, 0x7175696c74, index_);
@@ -74,13 +79,29 @@ class Quilter {
     const patch::GridCut cut = canvas_.paste(chosen.x, chosen.y);
     ++index_;
     guard_.place(x, y, chosen.x, chosen.y);
+    index_of_.push_back(index_ - 1);
     seam_cost_ += cut.cost;
     seam_edges_ += cut.cut_edges;
   }
 
+  // All seams at once, by every block in turn, until none can be bettered.
+  void recut(Progress& progress) {
+    progress.begin("seams", static_cast<std::int64_t>(options_.seam_sweeps * index_of_.size()));
+    for (int sweep = 0; sweep < options_.seam_sweeps; ++sweep) {
+      const std::int64_t before = recut_;
+      for (std::size_t i = 0; i < index_of_.size(); ++i) {
+        const PlacedBlock& b = guard_.blocks()[i];
+        recut_ += canvas_.expand(b.x, b.y, index_of_[i], b.source_x, b.source_y);
+        progress.step();
+      }
+      if (recut_ == before) break;
+    }
+  }
+
   QuiltResult finish(ImageView<const float> features) const {
     QuiltResult result{canvas_.cropped(options_.size), {}};
-    result.report.blocks = index_;
+    result.report.texels_recut = recut_;
+    result.report.blocks = static_cast<int>(index_of_.size());
     result.report.rank = features.channels;
     result.report.seam_cost_mean = seam_edges_ ? seam_cost_ / (2.0 * seam_edges_) : 0;
     result.report.seam_ratio = seamRatio(canvas_.shown(options_.size).view(), result.quilt);
@@ -92,6 +113,7 @@ class Quilter {
   patch::Candidate choose(std::uint64_t draw, const patch::Overlap& overlap, int x, int y) {
     const SizePx corners = search_.corners();
     const std::int64_t known = canvas_.knownTexels();
+    if (options_.first && index_of_.empty()) return {options_.first->x, options_.first->y, 0};
     if (known == 0)
       return {static_cast<int>(uniformBelow(hashSeed(draw, 1), corners.width)),
               static_cast<int>(uniformBelow(hashSeed(draw, 2), corners.height)), 0};
@@ -123,9 +145,39 @@ class Quilter {
   Canvas canvas_;
   TimeWarps* warps_;
   int index_ = 0;
+  std::vector<int> index_of_;  // each placed block's
+  std::int64_t recut_ = 0;
   double seam_cost_ = 0;
   std::int64_t seam_edges_ = 0;
 };
+
+[[noreturn]] void refuse(const std::string& field, const std::string& value,
+                         const std::string& allowed) {
+  throw ProcessingError(Exit::kUsage,
+                        "quilting: " + field + " is " + value + "; allowed: " + allowed);
+}
+
+// What was given a place by hand lies within the source.
+void checkPlaces(const QuiltingOptions& options, SizePx source, SizePx block) {
+  const auto text = [](int x, int y) { return std::to_string(x) + "," + std::to_string(y); };
+  if (options.first && (options.first->x < 0 || options.first->y < 0 ||
+                        options.first->x > source.width - block.width ||
+                        options.first->y > source.height - block.height))
+    refuse("first", text(options.first->x, options.first->y),
+           "0,0 to " + text(source.width - block.width, source.height - block.height));
+  const Image<std::uint8_t>& keep = options.keep;
+  if (keep.empty()) return;
+  if (keep.size() != options.size)
+    refuse("the mask of what stays",
+           std::to_string(keep.width()) + "x" + std::to_string(keep.height()), "the result's size");
+  for (int y = 0; y < keep.height(); ++y)
+    for (int x = 0; x < keep.width(); ++x) {
+      const int u = x + options.keep_from.x, v = y + options.keep_from.y;
+      if (keep.at(x, y) && (u < 0 || v < 0 || u >= source.width || v >= source.height))
+        refuse("what stays at " + text(x, y), "the source's " + text(u, v),
+               "what lies within the source");
+    }
+}
 
 template <class T>
 Image<T> copyByMap(ImageView<const T> frame, const Quilt& quilt) {
@@ -161,14 +213,13 @@ double QuiltingOptions::lowFrequencyFor(SizePx block) const {
 }
 
 void QuiltingOptions::check(SizePx source) const {
-  const auto refuse = [](const std::string& field, const std::string& value,
-                         const std::string& allowed) {
-    throw ProcessingError(Exit::kUsage,
-                          "quilting: " + field + " is " + value + "; allowed: " + allowed);
-  };
   const auto within = [](double v, double low, double high) { return v >= low && v <= high; };
   if (size.width < 1 || size.height < 1 || size.width > 65535 || size.height > 65535)
     refuse("size", text(size), "1x1 to 65535x65535");
+  if (static_cast<std::int64_t>(source.width) * source.height > kTexelsMost)
+    throw ProcessingError(Exit::kUsage, "quilting: the sample is " + text(source) +
+                                            "; at most 40 million texels can be compared: cut a "
+                                            "part out of it (patina ttf build --roi)");
   const SizePx block = blockFor(source);
   if (block.width < 2 || block.height < 2 || block.width > source.width ||
       block.height > source.height)
@@ -179,6 +230,8 @@ void QuiltingOptions::check(SizePx source) const {
            "0 (two fifths of the block) to " + std::to_string(smaller / 2) + ", half the block");
   if (tile && (size.width < block.width || size.height < block.height))
     refuse("size", text(size), "at least one block of " + text(block) + " where it wraps around");
+  if (seam_sweeps < 0 || seam_sweeps > 20)
+    refuse("seam_sweeps", std::to_string(seam_sweeps), "0 to 20");
   if (svd_rank < 1 || svd_rank > 1000) refuse("svd_rank", std::to_string(svd_rank), "1 to 1000");
   if (rank_error && !(*rank_error > 0 && *rank_error < 1))
     refuse("rank_error", std::to_string(*rank_error), "above 0 and below 1");
@@ -189,6 +242,7 @@ void QuiltingOptions::check(SizePx source) const {
     refuse("low_frequency_px", std::to_string(low_frequency_px), "0 (a block) or 2 to 65535");
   if (tile && low_frequency == LowFrequencyUse::kRestore)
     refuse("low_frequency", "restore", "keep or drop where the result wraps around");
+  checkPlaces(*this, source, block);
   if (!within(blend_px, 0, 256)) refuse("blend_px", std::to_string(blend_px), "0 to 256");
   if (!within(jitter_frames, 0, 10000))
     refuse("jitter_frames", std::to_string(jitter_frames), "0 to 10000");
@@ -215,6 +269,7 @@ QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& option
       quilter.place(x, y);
       progress.step();
     }
+  quilter.recut(progress);
   return quilter.finish(features);
 }
 

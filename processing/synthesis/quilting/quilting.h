@@ -24,6 +24,10 @@ enum class LowFrequencyUse {
 
 class TimeWarps;
 
+struct PointPx {
+  int x = 0, y = 0;
+};
+
 struct QuiltingOptions {
   SizePx size{1024, 1024};                // of the result
   SizePx block_px{0, 0};                  // width x height, tall for growing things; 0x0: a square
@@ -32,14 +36,20 @@ struct QuiltingOptions {
   int svd_rank = 15;                      // at most; or fewer where error allows
   std::optional<double> rank_error = {};  // relative RMS: rank chosen by error instead
   double tolerance = 0.2;                 // candidates within (1 + tolerance) of the best
-  bool tile = false;                      // the result wraps around, left to right, top to bottom
-  double verbatim = 0.7;            // share of the source's sides that one copy may span; [0,1]
+  int seam_sweeps = 2;    // passes over all blocks in which seams already cut are cut anew, 0 to 20
+  bool tile = false;      // the result wraps around, left to right, top to bottom
+  double verbatim = 0.7;  // share of the source's sides that one copy may span; [0,1]
   double repetition_penalty = 1.0;  // on source regions shown nearby; 0: none
   LowFrequencyUse low_frequency = LowFrequencyUse::kKeep;
   double low_frequency_px = 0;  // Gaussian sigma of what counts as slow; 0: a block's smaller side
   int jitter_frames = 0;        // each block wanders about its true time, this far (equation 7)
   int jitter_event_frames = 0;  // each block changes early or late, by up to this
-  double blend_px = 0;  // reach of a correction beside seams, 0 to 256; 0: none, pure copies
+  bool blend_auto = false;  // the least reach of up to 32 px under which seams are no steeper than
+                            // the rest, where they are (TTF only)
+  double blend_px = 0;      // reach of a correction beside seams, 0 to 256; 0: none, pure copies
+  std::optional<PointPx> first = {};  // source corner of the first block; nothing: drawn
+  Image<std::uint8_t> keep = {};      // [h][w] of the result, not 0: stays as it is; may be empty
+  PointPx keep_from{};                // the source texel that what stays would show at 0,0
   std::uint64_t seed = 1;
   void check(SizePx source) const;       // throws ProcessingError: field, value, range
   SizePx blockFor(SizePx source) const;  // the defaults resolved
@@ -64,10 +74,14 @@ struct Quilt {
 };
 struct QuiltingReport {
   int blocks = 0, rank = 0;
-  double svd_error = 0;          // relative RMS of the rank used
-  double seam_cost_mean = 0;     // squared difference of the two sides along seams, a texel
-  double seam_ratio = 0;         // gradient across seams / gradient inside, in feature space
-  double seam_ratio_frames = 0;  // of the result as displayed, mean over frames sampled (TTF only)
+  double svd_error = 0;       // relative RMS of the rank used
+  double seam_cost_mean = 0;  // squared difference of the two sides along seams, a texel
+  double seam_ratio = 0;      // gradient across seams / gradient inside, in feature space
+  double seam_ratio_frames =
+      0;                // of the result as displayed, median over frames sampled (TTF only)
+  double blend_px = 0;  // of the correction made (TTF only)
+  std::int64_t texels_recut = 0;           // that another block covers since seams were cut anew
+  std::vector<double> error_of_rank = {};  // relative RMS that rank 1, 2 ... would have (TTF only)
 };
 
 // `features` [h][w][k]: rows of U times the singular values (decomposition/temporal_svd.h).

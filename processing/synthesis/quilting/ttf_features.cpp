@@ -13,9 +13,9 @@
 namespace patina::quilting {
 namespace {
 
-constexpr int kTileTexels = 128;               // a TTF's chunk
-constexpr std::int64_t kTileBytes = 96 << 20;  // of all frames of a tile
-constexpr double kContrastFloor = 0.2;         // of the strongest frame's
+constexpr int kTileTexels = 128;                // a TTF's chunk
+constexpr std::int64_t kTileBytes = 128 << 20;  // of all frames of a tile
+constexpr double kContrastFloor = 0.2;          // of the strongest frame's
 
 // One over each frame's contrast: a seam is seen against what else the frame shows, so a faint
 // early frame counts as much as a strong late one. Frames without contrast are held down (noise).
@@ -37,9 +37,13 @@ class Tiles {
  public:
   explicit Tiles(const QuiltingSource& source)
       : source_(source), display_(displayTable(source.info().scale)) {
+    if (source.isCoded())
+      for (int code = 0; code < 256; ++code)
+        display_[code] =
+            display_[static_cast<std::size_t>(65535 * linearFromSrgb(code / 255.0f) + 0.5f)];
     const ttf::TtfInfo& info = source.info();
-    const std::int64_t row_bytes =
-        static_cast<std::int64_t>(info.frames) * kTileTexels * info.channels * 2;
+    const std::int64_t row_bytes = static_cast<std::int64_t>(info.frames) * kTileTexels *
+                                   info.channels * (source.isCoded() ? 1 : 2);
     const int rows =
         static_cast<int>(std::clamp<std::int64_t>(kTileBytes / row_bytes, 1, kTileTexels));
     for (int y = 0; y < info.height; y += rows)
@@ -68,16 +72,27 @@ class Tiles {
  private:
   void loadTile() {
     const RectPx& tile = tiles_[next_tile_++];
-    samples_ = source_.block(tile);
+    if (source_.isCoded())
+      codes_ = source_.codedBlock(tile);
+    else
+      samples_ = source_.block(tile);
     tile_first_ += tile_count_;
     tile_count_ = static_cast<std::int64_t>(tile.width) * tile.height;
   }
 
-  // samples_ [t][texel][c] to rows [t][c][texel].
   void spread(std::int64_t first, std::int64_t count, float* block, std::int64_t stride) const {
+    if (source_.isCoded())
+      spread(codes_, first, count, block, stride);
+    else
+      spread(samples_, first, count, block, stride);
+  }
+  // Samples [t][texel][c] to rows [t][c][texel].
+  template <class T>
+  void spread(const std::vector<T>& samples, std::int64_t first, std::int64_t count, float* block,
+              std::int64_t stride) const {
     const int channels = source_.info().channels;
     tbb::parallel_for(0, source_.info().frames, [&](int t) {
-      const std::uint16_t* in = samples_.data() + (t * tile_count_ + first) * channels;
+      const T* in = samples.data() + (t * tile_count_ + first) * channels;
       float* out = block + static_cast<std::int64_t>(t) * channels * stride;
       for (int c = 0; c < channels; ++c, out += stride)
         for (std::int64_t i = 0; i < count; ++i) out[i] = display_[in[i * channels + c]];
@@ -89,6 +104,7 @@ class Tiles {
   std::vector<RectPx> tiles_;
   std::vector<std::int32_t> texels_;
   std::vector<std::uint16_t> samples_;
+  std::vector<std::uint8_t> codes_;  // in place of samples_
   std::size_t next_tile_ = 0;
   std::int64_t tile_first_ = 0, tile_count_ = 0;
 };
@@ -116,6 +132,13 @@ std::vector<std::uint16_t> QuiltingSource::block(RectPx region) const {
     for (int t = 0; t < info().frames; ++t)
       low_frequency_->takeOut(t, region, samples.data() + t * frame);
   return samples;
+}
+
+std::vector<std::uint8_t> QuiltingSource::codedBlock(RectPx region) const {
+  std::vector<std::uint8_t> codes(static_cast<std::size_t>(info().frames) * region.width *
+                                  region.height * info().channels);
+  input_.storedBlock(0, info().frames, region, reinterpret_cast<std::byte*>(codes.data()));
+  return codes;
 }
 
 std::vector<float> displayTable(double scale) {

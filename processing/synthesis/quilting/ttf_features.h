@@ -23,6 +23,9 @@ class QuiltingSource {
   Image<std::uint16_t> frame(int t) const;
   Image<float> linearFrame(int t) const;
   std::vector<std::uint16_t> block(RectPx region) const;  // of all frames: [t][y][x][c]
+  // Are samples codes of 8 bits that nothing is done to? Then they can be had as they are.
+  bool isCoded() const { return info().type == ttf::SampleType::kU8 && !low_frequency_; }
+  std::vector<std::uint8_t> codedBlock(RectPx region) const;
 
  private:
   const ttf::TtfReader& input_;

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -16,11 +17,16 @@
 #include "processing/synthesis/quilting/seam_statistics.h"
 #include "processing/synthesis/quilting/time_warp.h"
 #include "processing/synthesis/quilting/ttf_features.h"
+#include "processing/ttf/remap.h"
 
 namespace patina::quilting {
 namespace {
 
-constexpr int kFramesMeasured = 8;
+constexpr int kFramesMeasured = 9;
+constexpr double kSeamRatioWanted = 1, kSeamRatioNear = 0.03;
+constexpr double kBlendLeastPx = 0.125, kBlendMostPx = 32;
+constexpr int kBlendSteps = 8;
+constexpr std::int64_t kRemapBytes = 512 << 20;  // copies alone go by layers up to this size
 
 // Frames of the source as they are asked for: those about the present are kept.
 template <class T>
@@ -104,13 +110,29 @@ class ResultFrames {
 
 double seamRatioInFrames(const ResultFrames& frames, const Quilt& quilt) {
   const int count = std::min(kFramesMeasured, frames.count());
-  double sum = 0;
+  std::vector<double> ratios;
   for (int i = 0; i < count; ++i) {
     Image<float> frame = frames.linear(count > 1 ? i * (frames.count() - 1) / (count - 1) : 0);
-    for (float& v : frame.texels()) v = srgbFromLinear(v);
-    sum += seamRatio(std::as_const(frame).view(), quilt);
+    tbb::parallel_for(0, frame.height(), [&](int y) {
+      float* row = frame.view().row(y);
+      for (int j = 0; j < frame.width() * frame.channels(); ++j) row[j] = srgbFromLinear(row[j]);
+    });
+    ratios.push_back(seamRatio(std::as_const(frame).view(), quilt));
   }
-  return sum / count;
+  std::sort(ratios.begin(), ratios.end());
+  return (ratios[(ratios.size() - 1) / 2] + ratios[ratios.size() / 2]) / 2;
+}
+
+// The ratio falls with the reach.
+double leastBlend(const std::function<double(double blend_px)>& ratio) {
+  if (ratio(0) <= kSeamRatioWanted + kSeamRatioNear) return 0;
+  double low = std::log2(kBlendLeastPx), high = std::log2(kBlendMostPx);
+  for (int step = 0; step < kBlendSteps; ++step) {
+    const double middle = (low + high) / 2, found = ratio(std::exp2(middle)) - kSeamRatioWanted;
+    if (std::abs(found) <= kSeamRatioNear) return std::exp2(middle);
+    (found > 0 ? low : high) = middle;
+  }
+  return std::exp2(high);
 }
 
 void writeFrames(const ResultFrames& frames, ttf::TtfInfo info, const std::filesystem::path& out,
@@ -119,7 +141,7 @@ void writeFrames(const ResultFrames& frames, ttf::TtfInfo info, const std::files
   ttf::TtfWriter writer(out, info);
   progress.begin("frames", frames.count());
   for (int t = 0; t < frames.count(); ++t) {
-    if (info.type == ttf::SampleType::kU16) {
+    if (info.type == ttf::SampleType::kU16 || info.type == ttf::SampleType::kU8) {
       const Image<std::uint16_t> frame = frames.samples(t);
       writer.add(frame.view(), time_s[t], Sha256{});
     } else {
@@ -148,16 +170,30 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
   if (jitter.any()) warps.emplace(f, jitter, options.seed);
   QuiltResult result = quilt(f.features.view(), options, progress, warps ? &*warps : nullptr);
   result.report.svd_error = f.relative_error;
+  result.report.error_of_rank = f.error_of_rank;
 
   std::optional<SeamBlend> blend;
-  if (options.blend_px > 0)
-    blend.emplace(seamCorrection(f.features.view(), result.quilt, options.blend_px, options.tile,
-                                 progress, warps ? &*warps : nullptr),
-                  f, input.info().scale);
   const bool restore = options.low_frequency == LowFrequencyUse::kRestore;
-  const ResultFrames frames(source, result.quilt, blend ? &*blend : nullptr,
-                            restore ? &*low : nullptr, jitter.walk_frames + jitter.event_frames);
+  const auto framesWith = [&](double blend_px) {
+    blend.reset();
+    if (blend_px > 0)
+      blend.emplace(seamCorrection(f.features.view(), result.quilt, blend_px, options.tile,
+                                   progress, warps ? &*warps : nullptr),
+                    f, input.info().scale);
+    return ResultFrames(source, result.quilt, blend ? &*blend : nullptr, restore ? &*low : nullptr,
+                        jitter.walk_frames + jitter.event_frames);
+  };
+  const auto ratioWith = [&](double blend_px) {
+    return seamRatioInFrames(framesWith(blend_px), result.quilt);
+  };
+  result.report.blend_px = options.blend_auto ? leastBlend(ratioWith) : options.blend_px;
+  const ResultFrames frames = framesWith(result.report.blend_px);
   result.report.seam_ratio_frames = seamRatioInFrames(frames, result.quilt);
+  if (!jitter.any() && !blend && !low &&
+      ttf::remapBytes(input.info(), options.size) <= kRemapBytes) {
+    ttf::remapTtf(input, result.quilt.source_xy.view(), out, provenance_json, progress);
+    return result.report;
+  }
   ttf::TtfInfo info = input.info();
   info.width = options.size.width;
   info.height = options.size.height;

@@ -131,5 +131,34 @@ TEST(MinimumCut, TakesTheShortestBoundaryWhereAllAreFree) {
   EXPECT_EQ(cut(p).cut_edges, 8);
 }
 
+TEST(MinimumChoice, CostsNoMoreThanAnyOfAllChoices) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    constexpr int kWidth = 4, kHeight = 3;
+    GridTerms terms{Image<double>(kWidth, kHeight, 1), Image<double>(kWidth, kHeight, 1),
+                    Image<double>(kWidth, kHeight, 1)};
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+      terms.one.texels()[i] = std::floor(21 * uniform(hashSeed(seed, i, 1))) - 10;
+      terms.right.texels()[i] = std::floor(8 * uniform(hashSeed(seed, i, 2)));
+      terms.down.texels()[i] = std::floor(8 * uniform(hashSeed(seed, i, 3)));
+    }
+    const auto cost = [&](const std::vector<std::uint8_t>& x) {
+      double sum = 0;
+      for (int i = 0; i < kWidth * kHeight; ++i) {
+        sum += x[i] ? terms.one.texels()[i] : 0;
+        if (i % kWidth + 1 < kWidth && !x[i] && x[i + 1]) sum += terms.right.texels()[i];
+        if (i + kWidth < kWidth * kHeight && !x[i] && x[i + kWidth]) sum += terms.down.texels()[i];
+      }
+      return sum;
+    };
+    double least = std::numeric_limits<double>::infinity();
+    for (unsigned bits = 0; bits < 1u << (kWidth * kHeight); ++bits) {
+      std::vector<std::uint8_t> x;
+      for (int i = 0; i < kWidth * kHeight; ++i) x.push_back(bits >> i & 1);
+      least = std::min(least, cost(x));
+    }
+    EXPECT_EQ(cost(minimumChoice(terms).texels()), least) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace patina::patch

@@ -122,7 +122,7 @@ TEST(TtfReader, RefusesAVolumeOfAnotherShapeOrType) {
   EXPECT_EQ(refusalOfSpoilt([](hid_t f) {
               replaceDataset(f, "frames", H5T_STD_I32LE, {3, 6, 5, 3});
             }),
-            "/frames is neither u16 nor f16 nor f32 (linear)");
+            "/frames is neither u8 (encoded) nor u16 nor f16 nor f32 (linear)");
   EXPECT_EQ(refusalOfSpoilt([](hid_t f) {
               replaceDataset(f, "frames", H5T_STD_U16LE, {3, 100'000, 100'000, 3});
             }),

@@ -92,6 +92,21 @@ TEST(QuiltTtf, BlendsSeamsOfJitteredBlocksToo) {
   EXPECT_LT(blended.seam_ratio_frames, 0.8 * copied.seam_ratio_frames);
 }
 
+TEST(QuiltTtf, BlendsNoMoreThanSeamsNeedWhereItMayChoose) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 6, {140, 131});
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  QuiltingOptions o = options({180, 150});
+  const QuiltingReport copied = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  o.blend_auto = true;
+  const QuiltingReport chosen = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  EXPECT_GT(copied.seam_ratio_frames, 1.1);
+  EXPECT_EQ(copied.blend_px, 0);
+  EXPECT_GT(chosen.blend_px, 0);
+  EXPECT_NEAR(chosen.seam_ratio_frames, 1, 0.05);
+}
+
 TEST(QuiltTtf, BlendsSeamsAwayAndLeavesWhatIsFarFromThemBitForBit) {
   const TempFolder folder = TempFolder::inMemory();
   writeTexture(folder / "in.h5", 6, {140, 131});
