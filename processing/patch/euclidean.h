@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Features whose plain squared difference is the distance that is meant, and few numbers of them.
+//
+// Texels are sums of basis functions with a Gram matrix G: the distance of two is b^t G b of the
+// difference b of their coefficients (Meister et al. 2021, eq. 11 to 14). With the Cholesky factor
+// G = L L^t that is |L^t b|^2: exact, and a quarter of the products.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "processing/image/image.h"
+#include "processing/image/progress.h"
+
+namespace patina::patch {
+
+// `coefficients` [h][w][channels * terms], terms innermost; `gram` [terms][terms], positive
+// definite; `weights` of the channels' squared distances, >= 0: channels of weight 0 are left out.
+// [h][w][kept channels * terms]. Throws ProcessingError(kUsage): all weights 0.
+Image<float> euclidean(ImageView<const float> coefficients, std::span<const double> gram,
+                       std::span<const double> weights);
+
+// Integers whose squared differences are scale^2 times the distance on the leading principal
+// components: a lower bound of it, short by `left_out` of the variance.
+struct CompactFeatures {
+  Image<std::int16_t> texels;  // [h][w][components]
+  double scale = 1;
+  double left_out = 0;  // share of the variance, in [0,1]
+};
+// `components`: 8 or 16. Longest texel 32767 / (2 * patch): 25 squared differences stay in 31 bits
+// at patch 5. Throws ProcessingError(kBadData) for a value that is no number.
+CompactFeatures compactFeatures(ImageView<const float> features, int components, int patch,
+                                Progress& progress);
+
+}  // namespace patina::patch

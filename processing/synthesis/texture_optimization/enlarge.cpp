@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/synthesis/texture_optimization/enlarge.h"
+
+#include <cmath>
+
+#include "processing/image/parallel_rows.h"
+#include "processing/patch/euclidean.h"
+
+namespace patina::texture_optimization {
+namespace {
+
+double weightOf(const EnlargeOptions& options, const std::string& map) {
+  if (map == "Diffuse") return options.diffuse;
+  if (map == "Specular") return options.specular;
+  return map == "Roughness" ? options.roughness : 0;
+}
+
+// Three equal channels of a grey map count once.
+bool isGrey(const stbrdf::TimeMap& map) {
+  for (const Image<float>& c : map.coefficients)
+    for (std::size_t i = 0; i < c.texels().size(); i += static_cast<std::size_t>(c.channels()))
+      for (int k = 1; k < c.channels(); ++k)
+        if (c.texels()[i] != c.texels()[i + static_cast<std::size_t>(k)]) return false;
+  return true;
+}
+
+// [h][w][channels * terms] of the maps that are compared, and each channel's weight.
+Image<float> compared(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
+                      std::vector<double>& weights) {
+  struct Plane {
+    const stbrdf::TimeMap* map;
+    int channel;
+  };
+  std::vector<Plane> planes;
+  for (const stbrdf::TimeMap& map : set.maps) {
+    const double weight = weightOf(options, map.name);
+    if (weight == 0) continue;
+    const int channels =
+        map.name == "Roughness" && isGrey(map) ? 1 : map.coefficients[0].channels();
+    for (int c = 0; c < channels; ++c) {
+      planes.push_back({&map, c});
+      weights.push_back(weight);
+    }
+  }
+  const int terms = set.degree + 1;
+  Image<float> out(set.size().width, set.size().height,
+                   std::max(1, static_cast<int>(planes.size()) * terms));
+  forEachRow(out.height(), out.width() * 4LL * out.channels(), [&](int y) {
+    for (int x = 0; x < out.width(); ++x) {
+      float* to = &out.at(x, y);
+      for (const Plane& plane : planes)
+        for (const Image<float>& c : plane.map->coefficients) *to++ = c.at(x, y, plane.channel);
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+void EnlargeOptions::check() const {
+  for (const double weight : {diffuse, specular, roughness})
+    if (!(weight >= 0 && std::isfinite(weight)))
+      throw ProcessingError(Exit::kUsage,
+                            "a weight is " + std::to_string(weight) + "; weights are 0 or more");
+  if (diffuse + specular + roughness == 0)
+    throw ProcessingError(Exit::kUsage, "all weights are 0: nothing is left to compare");
+}
+
+std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
+  std::int64_t channels = 0;
+  for (const stbrdf::TimeMap& map : set.maps) channels += map.coefficients[0].channels();
+  const std::int64_t source = std::int64_t{set.size().width} * set.size().height,
+                     result = std::int64_t{size.width} * size.height, terms = set.degree + 1;
+  constexpr std::int64_t kFloat = 4, kLanes = 8, kField = 2 * 16 + 3 * 4;
+  return source * (3 * kFloat * channels * terms + kLanes * kFloat + 64) +
+         result * (kFloat * channels * terms + kField);
+}
+
+Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options, Progress& progress) {
+  options.check();
+  options.optimize.check(set.size());
+  Enlarged out;
+  {
+    std::vector<double> weights;
+    const Image<float> coefficients = compared(set, options, weights);
+    if (weights.empty())
+      throw ProcessingError(Exit::kUsage, "the set has none of the maps that have a weight");
+    const Image<float> features =
+        patch::euclidean(coefficients.view(), stbrdf::gramMatrix(set.basis, set.degree), weights);
+    out.field = optimize(features.view(), options.optimize, progress);
+  }
+  out.set = {.degree = set.degree,
+             .basis = set.basis,
+             .model = set.model,
+             .roughness = set.roughness,
+             .maps = {},
+             .facts = set.facts};
+  for (const stbrdf::TimeMap& map : set.maps) {
+    stbrdf::TimeMap larger{.name = map.name, .coefficients = {}, .low = map.low, .high = map.high};
+    for (const Image<float>& c : map.coefficients)
+      larger.coefficients.push_back(voted(c.view(), out.field, options.optimize.field.patch));
+    out.set.maps.push_back(std::move(larger));
+  }
+  return out;
+}
+
+}  // namespace patina::texture_optimization

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/patch/euclidean.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "processing/image/random.h"
+
+namespace patina::patch {
+namespace {
+
+// Two channels of cubic polynomials a texel.
+Image<float> cubics(int side) {
+  Image<float> out(side, side, 8);
+  for (std::size_t i = 0; i < out.texels().size(); ++i)
+    out.texels()[i] = static_cast<float>(gaussian(hashSeed(1, i)));
+  return out;
+}
+std::vector<double> hilbert() {
+  std::vector<double> gram;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) gram.push_back(1.0 / (i + j + 1));
+  return gram;
+}
+
+double squared(const Image<float>& image, int x0, int y0, int x1, int y1) {
+  double sum = 0;
+  for (int c = 0; c < image.channels(); ++c)
+    sum += std::pow(double{image.at(x0, y0, c)} - image.at(x1, y1, c), 2);
+  return sum;
+}
+
+// Meister et al. 2021, eq. 11, by a fine sum.
+double integral(const Image<float>& cubic, int channel, int x0, int y0, int x1, int y1) {
+  constexpr int kSteps = 4000;
+  double sum = 0;
+  for (int s = 0; s < kSteps; ++s) {
+    const double t = (s + 0.5) / kSteps;
+    double d = 0;
+    for (int k = 3; k >= 0; --k)
+      d = d * t + (cubic.at(x0, y0, 4 * channel + k) - cubic.at(x1, y1, 4 * channel + k));
+    sum += d * d / kSteps;
+  }
+  return sum;
+}
+
+TEST(Euclidean, MakesSquaredDifferencesTheIntegralOverTime) {
+  const Image<float> cubic = cubics(4);
+  const std::vector<double> weights{1, 0.25};
+  const Image<float> features = euclidean(cubic.view(), hilbert(), weights);
+  EXPECT_EQ(features.channels(), 8);
+  for (int i = 0; i < 10; ++i) {
+    const int x = i % 4, y = i / 4;
+    EXPECT_NEAR(squared(features, x, y, 3, 3),
+                integral(cubic, 0, x, y, 3, 3) + 0.25 * integral(cubic, 1, x, y, 3, 3), 1e-4);
+  }
+}
+
+TEST(Euclidean, LeavesChannelsWithoutWeightOut) {
+  const Image<float> cubic = cubics(2);
+  EXPECT_EQ(euclidean(cubic.view(), hilbert(), std::vector<double>{0, 1}).channels(), 4);
+  EXPECT_THROW(euclidean(cubic.view(), hilbert(), std::vector<double>{0, 0}), ProcessingError);
+  EXPECT_THROW(euclidean(cubic.view(), hilbert(), std::vector<double>{1, -1}), ProcessingError);
+}
+
+// Three directions matter, five hardly: nothing is left out of note, and bounds stay below.
+TEST(CompactFeatures, AreALowerBoundOfTheDistance) {
+  Image<float> features(30, 30, 12);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x)
+      for (int c = 0; c < 12; ++c)
+        features.at(x, y, c) = static_cast<float>(gaussian(hashSeed(x, y, c)) / (1 + c * c));
+  Progress progress;
+  const CompactFeatures compact = compactFeatures(features.view(), 8, 5, progress);
+  EXPECT_GT(compact.left_out, 0);
+  EXPECT_LT(compact.left_out, 1e-3);
+  for (int i = 0; i < 200; ++i) {
+    const int x = i % 30, y = i / 30;
+    double sum = 0;
+    for (int c = 0; c < 8; ++c)
+      sum += std::pow(compact.texels.at(x, y, c) - compact.texels.at(29, 29, c), 2);
+    const double exact = squared(features, x, y, 29, 29),
+                 ours = sum / compact.scale / compact.scale;
+    EXPECT_LT(ours, exact * 1.005 + 1e-6);
+    EXPECT_GT(ours, exact * 0.95 - 0.01);
+  }
+}
+
+TEST(CompactFeatures, TakeFewerChannelsThanComponents) {
+  Image<float> features(6, 6, 3);
+  features.at(2, 3, 1) = 1;
+  Progress progress;
+  const CompactFeatures compact = compactFeatures(features.view(), 8, 3, progress);
+  EXPECT_EQ(compact.texels.channels(), 8);
+  EXPECT_EQ(compact.texels.at(2, 3, 5), 0);
+}
+
+}  // namespace
+}  // namespace patina::patch

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/patch/nearest_field.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "processing/image/random.h"
+
+namespace patina::patch {
+namespace {
+
+constexpr int kSource = 40, kTarget = 90;
+
+// Soft blobs: patches that continue one another.
+Image<std::int16_t> blobs() {
+  Image<std::int16_t> out(kSource, kSource, 8);
+  for (int y = 0; y < kSource; ++y)
+    for (int x = 0; x < kSource; ++x)
+      for (int c = 0; c < 3; ++c)
+        out.at(x, y, c) = static_cast<std::int16_t>(
+            700 / (1 + c) * (std::sin(0.5 * x + c) + std::sin(0.37 * y - 0.2 * x + 2 * c)));
+  return out;
+}
+
+std::vector<std::int32_t> anywhere(std::uint64_t seed) {
+  std::vector<std::int32_t> out;
+  for (std::uint64_t i = 0; i < kTarget * kTarget; ++i)
+    out.push_back(
+        static_cast<std::int32_t>((2 + uniformBelow(hashSeed(seed, i, 1), kSource - 4)) * kSource +
+                                  2 + uniformBelow(hashSeed(seed, i, 2), kSource - 4)));
+  return out;
+}
+
+struct Outcome {
+  std::vector<std::int32_t> centres;
+  FieldEnergy before, after;
+};
+
+Outcome optimised(const FieldOptions& options, int rounds) {
+  const Image<std::int16_t> source = blobs();
+  NearestField field(source.view(), 1000, {kTarget, kTarget}, options);
+  field.start(anywhere(7));
+  field.vote();
+  field.refreshDistances();
+  Outcome out;
+  out.before = field.energy();
+  for (int round = 0; round < rounds; ++round) {
+    field.refreshDistances();
+    for (int pass = 0; pass < 4; ++pass) field.search(4 * round + pass);
+    field.vote();
+  }
+  field.refreshDistances();
+  out.centres = field.centres();
+  out.after = field.energy();
+  return out;
+}
+
+TEST(NearestField, IsTheSameForAnyNumberOfThreads) {
+  for (const SearchKind search : {SearchKind::kCoherent, SearchKind::kPatchMatch}) {
+    std::vector<std::vector<std::int32_t>> centres;
+    for (const int threads : {1, 2, 8}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      centres.push_back(optimised({.search = search, .similar = {}}, 3).centres);
+    }
+    EXPECT_EQ(centres[0], centres[1]);
+    EXPECT_EQ(centres[0], centres[2]);
+  }
+}
+
+TEST(NearestField, LowersTheEnergyAndKeepsUseEven) {
+  for (const SearchKind search : {SearchKind::kCoherent, SearchKind::kPatchMatch}) {
+    const Outcome out = optimised({.uniformity = 2, .search = search, .similar = {}}, 6);
+    EXPECT_LT(out.after.patch, 0.3 * out.before.patch);
+    EXPECT_LT(out.after.occupancy, 2);
+  }
+}
+
+// The sum over all source patches of their occupancy follows from the field alone: what lanes told
+// one another is neither lost nor counted twice.
+TEST(NearestField, CountsUsesExactlyAfterManySteps) {
+  const Outcome out = optimised({.uniformity = 2, .similar = {}}, 4);
+  Occupancy counted({kSource, kSource}, 5);
+  for (const std::int32_t centre : out.centres) counted.add(centre % kSource, centre / kSource);
+  double sum = 0;
+  for (const std::int32_t centre : out.centres)
+    sum += counted.at(centre % kSource, centre / kSource);
+  const double even = static_cast<double>(kTarget * kTarget) / (kSource * kSource) * 625;
+  EXPECT_NEAR(out.after.occupancy, sum / (kTarget * kTarget) / even, 1e-9);
+}
+
+TEST(NearestField, UsesTheSourceMoreEvenlyTheMoreThatCounts) {
+  const Outcome even = optimised({.uniformity = 5, .similar = {}}, 4),
+                free = optimised({.uniformity = 0, .similar = {}}, 4);
+  EXPECT_GT(free.after.occupancy, 1.2 * even.after.occupancy);
+}
+
+TEST(FieldOptions, RefusesWhatCannotBe) {
+  EXPECT_THROW((FieldOptions{.patch = 4, .similar = {}}.check()), ProcessingError);
+  EXPECT_THROW((FieldOptions{.uniformity = -1, .similar = {}}.check()), ProcessingError);
+  EXPECT_THROW((FieldOptions{.similar = {.count = 0}}.check()), ProcessingError);
+}
+
+}  // namespace
+}  // namespace patina::patch

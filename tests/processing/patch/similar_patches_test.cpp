@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/patch/similar_patches.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "processing/image/random.h"
+
+namespace patina::patch {
+namespace {
+
+Image<std::int16_t> noise(int side) {
+  Image<std::int16_t> out(side, side, 8);
+  for (std::size_t i = 0; i < out.texels().size(); ++i)
+    out.texels()[i] = static_cast<std::int16_t>(200 * gaussian(hashSeed(4, i)));
+  return out;
+}
+
+TEST(SimilarPatches, FindACopyPlantedElsewhere) {
+  Image<std::int16_t> features = noise(40);
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 5; ++x)
+      for (int c = 0; c < 8; ++c) features.at(30 + x, 22 + y, c) = features.at(4 + x, 9 + y, c);
+  const SimilarPatches similar(features.view(), 5, {});
+  EXPECT_EQ(similar.of(11 * 40 + 6)[0], 24 * 40 + 32);
+  EXPECT_EQ(similar.of(24 * 40 + 32)[0], 11 * 40 + 6);
+}
+
+TEST(SimilarPatches, AreApartAndWithinTheSource) {
+  const Image<std::int16_t> features = noise(24);
+  const SimilarPatches similar(features.view(), 5, {.count = 6});
+  for (int y = 2; y < 22; ++y)
+    for (int x = 2; x < 22; ++x)
+      for (int k = 0; k < 6; ++k) {
+        const std::int32_t other = similar.of(y * 24 + x)[k];
+        if (other < 0) continue;
+        const int ox = other % 24, oy = other / 24;
+        ASSERT_TRUE(ox >= 2 && ox < 22 && oy >= 2 && oy < 22);
+        ASSERT_TRUE(std::abs(ox - x) >= 3 || std::abs(oy - y) >= 3);
+      }
+}
+
+TEST(SimilarPatches, AreNoneWhereTheSourceIsOnePatch) {
+  const SimilarPatches similar(noise(5).view(), 5, {});
+  EXPECT_EQ(similar.of(2 * 5 + 2)[0], -1);
+}
+
+}  // namespace
+}  // namespace patina::patch
