@@ -77,6 +77,7 @@ void addStbrdfVerbs(Verb root) {
   addStbrdfReportVerb(stbrdf);
   addStbrdfEvaluateVerb(stbrdf);
   addStbrdfConvertVerb(stbrdf);
+  addStbrdfEnlargeVerb(stbrdf);
 }
 
 }  // namespace patina::app

@@ -14,6 +14,7 @@ void addStbrdfFitVerb(Verb stbrdf);
 void addStbrdfReportVerb(Verb stbrdf);
 void addStbrdfEvaluateVerb(Verb stbrdf);
 void addStbrdfConvertVerb(Verb stbrdf);
+void addStbrdfEnlargeVerb(Verb stbrdf);
 
 // The samples named on a command line; warns where nothing tells their times.
 stbrdf::SampleSet openSamples(const Context& context, const std::vector<std::string>& inputs);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+
+#include "processing/image/random.h"
+#include "tests/capture/app/stbrdf_steps.h"
+#include "tests/support/child.h"
+
+namespace patina::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+// Degree 0: plain pictures, 24x20 texels.
+fs::path plantSet(const fs::path& folder) {
+  fs::create_directories(folder);
+  Image<float> colour(24, 20, 3);
+  for (std::size_t i = 0; i < colour.texels().size(); ++i)
+    colour.texels()[i] = static_cast<float>(uniform(hashSeed(1, i)));
+  writeExr(folder / "Diffuse-0.exr", colour.view());
+  writeExr(folder / "Specular-0.exr", Image<float>(24, 20, 1, 0.04f).view());
+  writeExr(folder / "Roughness-0.exr", Image<float>(24, 20, 1, 0.4f).view());
+  return folder;
+}
+
+TEST(StbrdfEnlarge, WritesALargerSetAndWhereItCameFrom) {
+  const TempFolder temp;
+  const fs::path set = plantSet(temp / "set");
+  std::vector<std::string> bytes;
+  for (const std::string threads : {"1", "8"}) {
+    const fs::path out = temp / ("out" + threads), nnf = temp / ("nnf" + threads + ".npy");
+    const Finished finished = runPatina({"stbrdf", "enlarge", set, out, "--size", "60x48", "--nnf",
+                                         nnf, "--threads", threads, "--json"});
+    ASSERT_EQ(finished.exit, 0) << finished.err;
+    EXPECT_THAT(finished.out, HasSubstr("patina.stbrdf.enlarge/1"));
+    EXPECT_EQ(readPicture(out / "Diffuse-0.exr").linear.size(), (SizePx{60, 48}));
+    EXPECT_TRUE(fs::exists(out / "Roughness-0.exr"));
+    bytes.push_back(readFile(nnf));
+  }
+  EXPECT_EQ(bytes[0], bytes[1]);
+}
+
+TEST(StbrdfEnlarge, RefusesWhatCannotBeAndLeavesNothing) {
+  const TempFolder temp;
+  const fs::path set = plantSet(temp / "set"), out = temp / "out";
+  const auto refused = [&](std::vector<std::string> arguments) {
+    std::vector<std::string> all{"stbrdf", "enlarge", set, out};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Finished finished = runPatina(all);
+    EXPECT_FALSE(fs::exists(out));
+    return std::to_string(finished.exit) + " " + finished.err;
+  };
+  EXPECT_THAT(refused({"--size", "20x60"}), HasSubstr("smaller than the set, 24x20"));
+  EXPECT_THAT(refused({"--size", "32768x32768"}), HasSubstr("GiB of memory"));
+  EXPECT_THAT(refused({"--size", "60x60", "--weights", "0,0,0"}), HasSubstr("all weights are 0"));
+  EXPECT_THAT(refused({"--size", "60x60", "--weights", "1,1"}), HasSubstr("three numbers"));
+  EXPECT_THAT(refused({"--size", "60x60", "--patch", "4"}), HasSubstr("allowed: 3, 5, 7"));
+  EXPECT_THAT(refused({"--size", "60x60", "--search", "magic"}), HasSubstr("64 "));
+}
+
+}  // namespace
+}  // namespace patina::testing
