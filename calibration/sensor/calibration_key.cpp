@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace patina::calibration {
 namespace {
 
-constexpr double kSecondsMax = 30 * 86400.0, kKelvinMax = 5;
-constexpr double kExposureShare = 0.01;
+constexpr double kSecondsADay = 86400, kKelvinMax = 5;
+constexpr double kExposureShare = 0.01, kFocalShare = 0.01, kFocusShare = 0.05;
+constexpr double kForever = std::numeric_limits<double>::infinity();
 
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
@@ -20,15 +22,27 @@ std::string text(const char* format, double value) {
 
 // What of a key must agree, by kind.
 struct Demands {
-  bool size = true, iso = true, exposure = false, temperature = false, age = true;
+  bool size = true, iso = true, exposure = false, temperature = false, light = false, zoom = false;
+  double days_most = 30;
 };
 Demands demandsOf(const std::string& kind) {
   if (kind == "dark" || kind == "dark_flat") return {.exposure = true, .temperature = true};
-  if (kind == "flat") return {.temperature = true};
+  if (kind == "flat") return {.temperature = true, .light = true};
   if (kind == "defects") return {.iso = false};  // its currents are scaled to the frame
-  if (kind == "photon_transfer") return {.size = false, .age = false};
-  if (kind == "response") return {.size = false, .iso = false, .age = false};
+  if (kind == "photon_transfer") return {.size = false, .days_most = kForever};
+  if (kind == "response") return {.size = false, .iso = false, .days_most = kForever};
+  if (kind == "lens") return {.iso = false, .zoom = true, .days_most = kForever};
+  if (kind == "view" || kind == "vignetting") return {.iso = false, .zoom = true, .days_most = 90};
+  if (kind == "gain_field") return {.iso = false, .light = true, .zoom = true};
+  if (kind == "light_gain") return {.iso = false, .light = true};
+  // Scaled by exposure and ISO where they are used.
+  if (kind == "albedo" || kind == "colour") return {.size = false, .iso = false, .light = true};
+  if (kind == "lights") return {.size = false, .iso = false, .days_most = 90};
   return {.temperature = true};
+}
+
+bool differ(double a, double b, double share) {
+  return a > 0 && b > 0 && std::abs(a - b) > share * b;
 }
 
 bool sameExposure(Nanoseconds a, Nanoseconds b) {
@@ -48,9 +62,13 @@ std::string whyNotUsable(const CalibrationKey& frame, const CalibrationKey& cali
   if (demands.exposure && !sameExposure(calibration.exposure, frame.exposure))
     return "exposed for " + formatExposure(calibration.exposure) + ", not " +
            formatExposure(frame.exposure);
-  if (calibration.kind == "flat" && !calibration.light_state.empty() &&
+  if (demands.light && !calibration.light_state.empty() &&
       calibration.light_state != frame.light_state)
     return "lit by " + calibration.light_state + ", not " + frame.light_state;
+  if (demands.zoom && differ(calibration.focal_mm, frame.focal_mm, kFocalShare))
+    return text("at %.3g mm", calibration.focal_mm) + text(", not %.3g mm", frame.focal_mm);
+  if (demands.zoom && differ(calibration.focus_m, frame.focus_m, kFocusShare))
+    return text("focused at %.3g m", calibration.focus_m) + text(", not %.3g m", frame.focus_m);
   return {};
 }
 
@@ -63,8 +81,9 @@ std::string whyOutOfTolerance(const CalibrationKey& frame, const CalibrationKey&
            formatExposure(frame.exposure);
   if (demands.temperature && !(distance.temperature_k <= kKelvinMax))
     return text("%.1f K away", distance.temperature_k);
-  if (demands.age && !(distance.time_s <= kSecondsMax))
-    return text("%.0f days away", distance.time_s / 86400);
+  if (!(distance.time_s <= demands.days_most * kSecondsADay))
+    return text("%.0f days away", distance.time_s / kSecondsADay) +
+           text(", at most %.0f", demands.days_most);
   return {};
 }
 
@@ -98,6 +117,19 @@ std::string shootInstead(const CalibrationKey& frame, const std::string& kind) {
     return "shoot pairs of flats from nearly dark to nearly white and a pair of darks" +
            text(", ISO %g", frame.iso);
   if (kind == "response") return "shoot brackets of a still scene: five exposures, a stop apart";
+  if (kind == "vignetting")
+    return "shoot an even surface at the run's zoom and focus, and run `patina calibrate "
+           "vignetting`";
+  if (kind == "lens")
+    return "shoot a board at the run's zoom and focus, and run `patina calibrate lens`";
+  if (kind == "view") return "shoot a board lying on the specimen, and run `patina calibrate view`";
+  if (kind == "gain_field")
+    return "shoot a white card under " + frame.light_state +
+           " alone, and run `patina calibrate "
+           "field`";
+  if (kind == "albedo")
+    return "shoot targets of known reflectance under " + frame.light_state +
+           ", and run `patina calibrate albedo`";
   return "take it anew for camera " + frame.device_id;
 }
 

@@ -2,9 +2,10 @@
 #include "capture/workflow/albedo_calibration.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "capture/workflow/failure.h"
-#include "capture/workflow/gain_field_calibration.h"
+#include "capture/workflow/field_frames.h"
 #include "processing/image/picture_file.h"
 
 namespace patina::workflow {
@@ -14,12 +15,30 @@ namespace fs = std::filesystem;
 
 constexpr const char* kChannels[3] = {"_r", "_g", "_b"};
 
-fs::path fieldFor(const fs::path& archive, const AlbedoRequest& request,
-                  const db::CalibrationRow& frame) {
-  if (!request.field.empty() || archive.empty()) return request.field;
-  const db::ArchiveReader reader(archive);
-  const auto row = findGainField(reader, frame.device_id, frame.light_state, frame.size);
-  return row ? fileOfCalibration(reader, *row) : fs::path();
+// A file's, or the archive's for this camera and light state.
+std::optional<StateField> fieldFor(const fs::path& archive, const AlbedoRequest& request,
+                                   AlbedoOutcome& outcome) {
+  if (!request.field.empty())
+    return StateField{readPicture(request.field).linear, {}, sha256OfFile(request.field).hex()};
+  std::optional<StateField> field;
+  if (!archive.empty()) {
+    const db::ArchiveReader reader(archive);
+    const db::CalibrationRow& row = outcome.from.row;
+    calibration::CalibrationKey key;
+    key.device_id = row.device_id;
+    key.exposure = row.exposure;
+    key.iso = row.iso;
+    key.size = row.size;
+    key.utc = row.utc;
+    key.light_state = row.light_state;
+    key.focal_mm = outcome.from.zoom.focal_mm;
+    key.focus_m = outcome.from.zoom.focus_m;
+    field = fieldOfState(reader, key, outcome.from.flat, false, outcome.notes);
+  }
+  if (!field)
+    outcome.notes.emplace_back(
+        "there is no gain field of this camera and light that fits: its light is taken for even");
+  return field;
 }
 
 Facts factsOf(const AlbedoOutcome& outcome) {
@@ -28,7 +47,7 @@ Facts factsOf(const AlbedoOutcome& outcome) {
   facts.text("camera", outcome.from.row.device_id).text("light", outcome.from.row.light_state);
   facts.count("exposure_ns", outcome.from.row.exposure.count());
   facts.count("frames", outcome.from.frames).count("channels", outcome.scale.channels);
-  facts.text("field_sha256", outcome.field_sha256);
+  facts.text("field_sha256", outcome.field_sha256).set("flat", outcome.from.flat);
   for (int c = 0; c < outcome.scale.channels; ++c) {
     facts.number(std::string("scale") + kChannels[c], outcome.scale.scale[c]);
     facts.number(std::string("sigma") + kChannels[c], outcome.scale.sigma[c]);
@@ -43,16 +62,10 @@ AlbedoOutcome makeAlbedo(const fs::path& archive, const AlbedoRequest& request, 
                          Progress& progress) {
   AlbedoOutcome outcome;
   outcome.from = meanPicture(archive, request.pictures, now, progress);
-  const fs::path file = fieldFor(archive, request, outcome.from.row);
-  std::optional<Image<float>> field;
-  if (file.empty()) {
-    outcome.notes.emplace_back(
-        "there is no gain field of this camera and lamp: its light is taken for even");
-  } else {
-    field = readPicture(file).linear;
-    outcome.field_sha256 = sha256OfFile(file).hex();
-  }
-  const auto view = field ? std::optional<ImageView<const float>>(field->view()) : std::nullopt;
+  const std::optional<StateField> field = fieldFor(archive, request, outcome);
+  if (field) outcome.field_sha256 = field->sha256s;
+  const auto view =
+      field ? std::optional<ImageView<const float>>(field->levels.view()) : std::nullopt;
   outcome.scale =
       calibration::solveAlbedo(outcome.from.linear.view(), view, request.targets, request.limits);
   outcome.from.linear = {};
@@ -74,8 +87,9 @@ KeptCalibration keepAlbedo(const fs::path& archive, const AlbedoRequest& request
   Facts options;
   options.text("camera", outcome.from.row.device_id).text("light", outcome.from.row.light_state);
   calibration.making = {request.command, options, 0, request.version, outcome.from.input_sha256s};
-  if (!outcome.field_sha256.empty())
-    calibration.making.input_sha256s.push_back(outcome.field_sha256);
+  std::istringstream fields(outcome.field_sha256);
+  for (std::string sha256; std::getline(fields, sha256, '+');)
+    calibration.making.input_sha256s.push_back(sha256);
   return keepCalibration(archive, std::move(calibration), now);
 }
 

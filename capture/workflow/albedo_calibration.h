@@ -23,7 +23,7 @@ struct AlbedoRequest {
 struct AlbedoOutcome {
   calibration::AlbedoScale scale;
   MeanPicture from;          // without its picture
-  std::string field_sha256;  // empty: light was taken for even
+  std::string field_sha256;  // of the lamps' fields, joined by +; empty: light was taken for even
   std::vector<std::string> notes;
 };
 AlbedoOutcome makeAlbedo(const std::filesystem::path& archive, const AlbedoRequest& request,

@@ -11,6 +11,7 @@
 #include "capture/workflow/failure.h"
 #include "capture/workflow/light_gain.h"
 #include "capture/workflow/sensor_chain.h"
+#include "processing/image/metadata_file.h"
 
 namespace patina::workflow {
 namespace {
@@ -42,7 +43,8 @@ std::string pick(const std::string& what, const std::string& option, const std::
 struct ArchiveFrames::Chosen {
   db::FrameRow frame;
   db::ShotRow shot;
-  std::size_t bound = 0;  // in the chain
+  std::size_t bound = 0;       // in the chain
+  std::vector<Chosen> longer;  // exposures of the same step, to be merged with this
 };
 ArchiveFrames::ArchiveFrames(const db::ArchiveReader& reader, const std::string& run_id,
                              const FrameSelection& selection, const Correction& correction)
@@ -50,18 +52,30 @@ ArchiveFrames::ArchiveFrames(const db::ArchiveReader& reader, const std::string&
   if (selection.every < 1) throw WorkflowError(Exit::kUsage, "--every must be at least 1");
   t0_ = reader.findRun(run_id).t0_utc;
   choose(reader, selection);
+  if (selection.merged && !correction.masters)
+    throw WorkflowError(Exit::kUsage,
+                        "exposures are merged once they are free of their darks: "
+                        "leave out --uncorrected or --hdr");
   if (correction.masters) bindMasters();
-  if (correction.light_gain)
-    measured_gains_ = lightGainsOf(reader, run_id, report_.camera, report_.light);
-  report_.gain_measured = !measured_gains_.empty();
+  if (correction.light_gain) {
+    MeasuredGains measured = lightGainsOf(reader, run_id, report_.camera, report_.light);
+    report_.gain_measured = !measured.gains.empty();
+    if (report_.gain_measured) report_.input_sha256s.push_back(measured.sha256);
+    measured_gains_ = std::move(measured.gains);
+  }
   const std::int64_t frame_bytes =
-      std::int64_t{report_.largest.width} * report_.largest.height * 3 * 4 * 2;
+      std::int64_t{report_.largest.width} * report_.largest.height * 3 * 4 * 2 * report_.exposures;
   batch_frames_ = static_cast<std::size_t>(
       std::clamp<std::int64_t>(kBatchBytes / std::max<std::int64_t>(frame_bytes, 1), 1,
                                4 * tbb::info::default_concurrency()));
 }
 
 ArchiveFrames::~ArchiveFrames() = default;
+
+bool hasFlat(const FramesReport& report) {
+  return std::ranges::any_of(report.masters,
+                             [](const std::string& used) { return used.starts_with("flat "); });
+}
 
 std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
                                  const std::string& camera) {
@@ -103,45 +117,85 @@ void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection
       partial.insert(one.step.id);
       return;
     }
-    all.push_back({one.frame, one.shot, 0});
+    all.push_back({one.frame, one.shot, 0, {}});
   });
   if (cameras.empty()) throw WorkflowError(Exit::kBadData, run_id_ + " has no frames");
   report_.camera = pick("camera", "--camera", selection.camera, cameras, run_id_);
   report_.light = pick("light state", "--light", selection.light, lights, run_id_);
-  report_.exposure = std::stoi(pick("exposure", "--exposure",
-                                    selection.exposure ? std::to_string(*selection.exposure) : "",
-                                    exposures, run_id_));
-  report_.steps_partial_left_out = static_cast<std::int64_t>(partial.size());
-
+  if (!selection.merged)
+    report_.exposure = std::stoi(pick("exposure", "--exposure",
+                                      selection.exposure ? std::to_string(*selection.exposure) : "",
+                                      exposures, run_id_));
   std::int64_t index = 0;
-  db::RowId last_step = -1;
-  std::set<std::pair<int, int>> sizes;
-  for (Chosen& chosen : all) {
-    if (chosen.shot.device_id != report_.camera || chosen.shot.light_state != report_.light ||
-        chosen.shot.exposure_index != report_.exposure)
+  for (std::vector<Chosen>& step : byStep(std::move(all), selection.merged)) {
+    if (static_cast<int>(step.size()) < report_.exposures) {
+      partial.insert(step.front().shot.step_id);
       continue;
-    if (chosen.shot.step_id == last_step) continue;  // a second attempt that came after all
-    last_step = chosen.shot.step_id;
+    }
     if (index++ % selection.every != 0) continue;
-    const SizePx size = chosen.frame.size;
-    sizes.insert({size.width, size.height});
-    const bool first = chosen_.empty();
-    report_.size.width = first ? size.width : std::min(report_.size.width, size.width);
-    report_.size.height = first ? size.height : std::min(report_.size.height, size.height);
-    report_.largest.width = std::max(report_.largest.width, size.width);
-    report_.largest.height = std::max(report_.largest.height, size.height);
-    report_.exposure_time = chosen.shot.exposure;
-    const std::string& ext = chosen.frame.ext;
-    report_.display_referred = ext == "jpg" || ext == "jpeg" || ext == "png" || ext == "tif";
-    report_.input_sha256s.push_back(chosen.frame.sha256.hex());
+    Chosen chosen = std::move(step.front());
+    chosen.longer.assign(std::make_move_iterator(step.begin() + 1),
+                         std::make_move_iterator(step.end()));
+    note(chosen);
     chosen_.push_back(std::move(chosen));
   }
+  report_.steps_partial_left_out = static_cast<std::int64_t>(partial.size());
   if (chosen_.empty())
     throw WorkflowError(Exit::kBadData, run_id_ + " has no whole step with a frame of " +
                                             report_.camera + " under " + report_.light +
                                             "; --partial takes the others too");
   report_.frames = count();
-  report_.sizes = static_cast<int>(sizes.size());
+}
+
+// The shots of one camera and light state, the shortest exposure first; of several attempts the
+// first.
+std::vector<std::vector<ArchiveFrames::Chosen>> ArchiveFrames::byStep(std::vector<Chosen> all,
+                                                                      bool merged) {
+  std::vector<std::vector<Chosen>> steps;
+  std::set<int> exposures;
+  for (Chosen& chosen : all) {
+    const db::ShotRow& shot = chosen.shot;
+    if (shot.device_id != report_.camera || shot.light_state != report_.light ||
+        (!merged && shot.exposure_index != report_.exposure))
+      continue;
+    if (steps.empty() || steps.back().front().shot.step_id != shot.step_id) steps.emplace_back();
+    std::vector<Chosen>& step = steps.back();
+    if (std::ranges::any_of(
+            step, [&](const Chosen& c) { return c.shot.exposure_index == shot.exposure_index; }))
+      continue;
+    exposures.insert(shot.exposure_index);
+    step.push_back(std::move(chosen));
+  }
+  if (!merged) return steps;
+  if (exposures.size() < 2)
+    throw WorkflowError(Exit::kUsage, run_id_ + " has one exposure of " + report_.camera +
+                                          " under " + report_.light +
+                                          ": nothing to merge; give the sweep of its plan "
+                                          "exposures = [\"1/100\", \"1/25\", ...]");
+  report_.exposures = static_cast<int>(exposures.size());
+  for (std::vector<Chosen>& step : steps)
+    std::ranges::stable_sort(step, {}, [](const Chosen& c) { return c.shot.exposure; });
+  return steps;
+}
+
+// What the report says of all frames.
+void ArchiveFrames::note(const Chosen& chosen) {
+  const SizePx size = chosen.frame.size;
+  const bool first = chosen_.empty();
+  sizes_.insert({size.width, size.height});
+  report_.sizes = static_cast<int>(sizes_.size());
+  report_.size.width = first ? size.width : std::min(report_.size.width, size.width);
+  report_.size.height = first ? size.height : std::min(report_.size.height, size.height);
+  report_.largest.width = std::max(report_.largest.width, size.width);
+  report_.largest.height = std::max(report_.largest.height, size.height);
+  report_.exposure_time = chosen.shot.exposure;
+  report_.iso = chosen.shot.iso;
+  if (!chosen.longer.empty()) report_.exposure = chosen.shot.exposure_index;
+  const std::string& ext = chosen.frame.ext;
+  report_.display_referred = ext == "jpg" || ext == "jpeg" || ext == "png" || ext == "tif";
+  report_.input_sha256s.push_back(chosen.frame.sha256.hex());
+  for (const Chosen& longer : chosen.longer)
+    report_.input_sha256s.push_back(longer.frame.sha256.hex());
 }
 
 std::optional<ttf::SourceFrame> ArchiveFrames::next() {
@@ -150,41 +204,73 @@ std::optional<ttf::SourceFrame> ArchiveFrames::next() {
   return std::move(batch_[batch_at_++]);
 }
 
-Image<float> ArchiveFrames::linearOf(const Bytes& file, std::size_t bound,
-                                     const std::array<float, 3>& gain) const {
-  if (chain_) return chain_->apply(bound, file, gain);
-  Image<float> linear = decodePicture(file).linear;
-  if (gain == std::array<float, 3>{1, 1, 1}) return linear;
-  const int channels = linear.channels();
-  std::vector<float>& texels = linear.texels();
+// A frame on its way from its files.
+struct ArchiveFrames::Decoding {
+  std::vector<Bytes> files;  // of the shortest exposure, then of the longer ones
+  std::vector<std::array<float, 3>> gains;
+  SensorChain::Merged merged;  // of one exposure: its light alone
+};
+
+void ArchiveFrames::decode(const Chosen& chosen, Decoding& decoding) const {
+  if (!chosen.longer.empty()) {
+    std::vector<SensorChain::Exposure> exposures;
+    const auto add = [&](const Chosen& one) {
+      const std::size_t i = exposures.size();
+      exposures.push_back(
+          {one.bound, decoding.files[i], decoding.gains[i], toSeconds(one.shot.exposure)});
+    };
+    add(chosen);
+    std::ranges::for_each(chosen.longer, add);
+    decoding.merged = chain_->merge(exposures);
+    return;
+  }
+  Image<float>& light = decoding.merged.light;
+  const std::array<float, 3>& gain = decoding.gains.front();
+  if (chain_) {
+    light = chain_->apply(chosen.bound, decoding.files.front(), gain);
+    return;
+  }
+  light = decodePicture(decoding.files.front()).linear;
+  if (gain == std::array<float, 3>{1, 1, 1}) return;
+  const auto channels = static_cast<std::size_t>(light.channels());
+  std::vector<float>& texels = light.texels();
   for (std::size_t i = 0; i < texels.size(); ++i)
-    texels[i] *= gain[std::min<std::size_t>(i % static_cast<std::size_t>(channels), 2)];
-  return linear;
+    texels[i] *= gain[std::min<std::size_t>(i % channels, 2)];
+}
+
+std::array<float, 3> ArchiveFrames::gainOf(const Chosen& chosen) {
+  if (!correction_.light_gain) return {1, 1, 1};
+  const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
+  const std::array<float, 3> gains =
+      measured != measured_gains_.end()
+          ? measured->second
+          : lightGainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
+  for (const float gain : gains) {
+    report_.gain_min = std::min(report_.gain_min, static_cast<double>(gain));
+    report_.gain_max = std::max(report_.gain_max, static_cast<double>(gain));
+  }
+  return gains;
 }
 
 void ArchiveFrames::fill() {
   batch_.clear();
   batch_at_ = 0;
   const std::size_t count = std::min(batch_frames_, chosen_.size() - next_);
-  std::vector<Bytes> files(count);
-  std::vector<std::array<float, 3>> gains(count, {1, 1, 1});
+  std::vector<Decoding> decodings(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Chosen& chosen = chosen_[next_ + i];
-    files[i] = reader_.read(chosen.frame);
-    if (!correction_.light_gain) continue;
-    const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
-    gains[i] = measured != measured_gains_.end()
-                   ? measured->second
-                   : lightGainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
-    for (const float gain : gains[i]) {
-      report_.gain_min = std::min(report_.gain_min, static_cast<double>(gain));
-      report_.gain_max = std::max(report_.gain_max, static_cast<double>(gain));
-    }
+    const auto read = [&](const Chosen& one) {
+      decodings[i].files.push_back(reader_.read(one.frame));
+      decodings[i].gains.push_back(gainOf(one));
+    };
+    read(chosen);
+    std::ranges::for_each(chosen.longer, read);
   }
   batch_.resize(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const Chosen& chosen = chosen_[next_ + i];
-    Image<float> linear = linearOf(files[i], chosen.bound, gains[i]);
+    decode(chosen, decodings[i]);
+    Image<float> linear = std::move(decodings[i].merged.light);
     if (linear.size() != report_.size)
       linear = copyOf<float>(ImageView<const float>(linear.view())
                                  .crop({(linear.width() - report_.size.width) / 2,
@@ -192,6 +278,10 @@ void ArchiveFrames::fill() {
                                         report_.size.width, report_.size.height}));
     batch_[i] = {toSeconds(chosen.frame.utc - t0_), chosen.frame.sha256, std::move(linear)};
   });
+  for (const Decoding& decoding : decodings) {
+    report_.saturated_samples += decoding.merged.saturated;
+    report_.disagreement_most = std::max(report_.disagreement_most, decoding.merged.disagreement);
+  }
   next_ += count;
 }
 
@@ -221,24 +311,32 @@ class Temperatures {
 }  // namespace
 
 void ArchiveFrames::bindMasters() {
-  if (reader_.calibrations().empty()) return;
+  const bool merging = report_.exposures > 1;
+  if (reader_.calibrations().empty() && !merging) return;
   const Bytes sample = reader_.read(chosen_.front().frame);
+  const PictureMetadata about = readMetadata(sample);
+  report_.focal_mm = about.focal_mm.value_or(0);
+  report_.focus_m = about.focus_m.value_or(0);
   chain_ = std::make_unique<SensorChain>(reader_, sample, correction_.stale);
   const Temperatures temperatures(reader_.readings(run_id_));
-  for (Chosen& chosen : chosen_)
-    chosen.bound = chain_->bind({.kind = {},
-                                 .device_id = report_.camera,
-                                 .exposure = chosen.shot.exposure,
-                                 .iso = chosen.shot.iso,
-                                 .size = chosen.frame.size,
-                                 .temperature_c = temperatures.near(chosen.frame.utc),
-                                 .utc = chosen.frame.utc,
-                                 .light_state = chosen.shot.light_state},
-                                chosen.frame.id);
-  chain_->prepare();
+  const auto bind = [&](Chosen& one) {
+    calibration::CalibrationKey key = workflow::keyOf(one.shot, one.frame);
+    key.temperature_c = temperatures.near(one.frame.utc);
+    one.bound = chain_->bind(key, one.frame.id);
+  };
+  for (Chosen& chosen : chosen_) {
+    bind(chosen);
+    std::ranges::for_each(chosen.longer, bind);
+  }
+  merging ? chain_->prepareToMerge() : chain_->prepare();
+  if (merging && !chain_->noise())
+    report_.masters_left.push_back(
+        "photon_transfer: none of " + report_.camera +
+        " that fits, so exposures are weighed as photons alone would have it; run `patina "
+        "calibrate noise`");
   const SensorChain::Report& report = chain_->report();
   report_.masters = report.used;
-  report_.masters_left = report.left;
+  report_.masters_left.insert(report_.masters_left.end(), report.left.begin(), report.left.end());
   report_.input_sha256s.insert(report_.input_sha256s.end(), report.input_sha256s.begin(),
                                report.input_sha256s.end());
 }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frames of a run as a FrameSource: one camera, one light state, one exposure; decoded,
-// calibrated, of one size. Registration and colour are decorators of their own.
+// The frames of a run as a FrameSource: one camera, one light state, one exposure or all of a
+// sweep's merged; decoded, calibrated, of one size. Registration and colour are decorators of their
+// own.
 #pragma once
 
 #include <array>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calibration/sensor/noise_model.h"
@@ -24,6 +27,7 @@ struct FrameSelection {
   int file_index = 0;    // RAW+JPEG: 0 is the raw file
   bool partial = false;  // also frames of steps that are not whole
   int every = 1;         // frame 0, every, 2*every ... of those there are
+  bool merged = false;   // all exposures of a step in one frame, scaled and named as the shortest
 };
 struct Correction {
   bool light_gain = true;  // per light and channel, as measured since, else of the light checks
@@ -38,17 +42,24 @@ struct FramesReport {
   std::string camera, light;
   int exposure = 0;
   Nanoseconds exposure_time{};
+  double iso = 0;                    // 0: not known
+  double focal_mm = 0, focus_m = 0;  // of the first frame; 0: its file does not say
   std::int64_t frames = 0, steps_partial_left_out = 0;
   SizePx size;                             // of every frame given
   int sizes = 1;                           // how many different ones there were
   SizePx largest;                          // before cropping about the centre
+  int exposures = 1;                       // merged into each frame
+  std::int64_t saturated_samples = 0;      // in every one of them, over the frames given so far
+  double disagreement_most = 0;            // of merged exposures: 1 where the noise model holds
   std::vector<std::string> masters;        // "dark 3: 2.1 days, 0.4 K away"
   std::vector<std::string> masters_left;   // why one was not used, what to shoot
-  std::vector<std::string> input_sha256s;  // frames, then masters
+  std::vector<std::string> input_sha256s;  // frames, then masters and measured gains
   bool display_referred = false;           // JPEG, PNG and the like: exposed for the eye already
   double gain_min = 1, gain_max = 1;       // over the frames given so far
   bool gain_measured = false;              // by `patina light measure`, not while it was captured
 };
+
+bool hasFlat(const FramesReport& report);  // frames went through one
 
 // Decodes a few frames at a time in parallel and gives them in order: memory is bounded by about
 // 400 MB whatever the length. Thread-bound. The reader outlives it.
@@ -72,9 +83,12 @@ class ArchiveFrames final : public ttf::FrameSource {
  private:
   struct Chosen;
   void choose(const db::ArchiveReader& reader, const FrameSelection& selection);
+  std::vector<std::vector<Chosen>> byStep(std::vector<Chosen> all, bool merged);
+  void note(const Chosen& chosen);
+  std::array<float, 3> gainOf(const Chosen& chosen);
   void bindMasters();
-  Image<float> linearOf(const Bytes& file, std::size_t bound,
-                        const std::array<float, 3>& gain) const;
+  struct Decoding;
+  void decode(const Chosen& chosen, Decoding& decoding) const;
   void fill();
 
   const db::ArchiveReader& reader_;
@@ -85,6 +99,7 @@ class ArchiveFrames final : public ttf::FrameSource {
   std::vector<Chosen> chosen_;
   std::unique_ptr<SensorChain> chain_;                          // absent: no masters wanted
   std::map<std::string, std::array<float, 3>> measured_gains_;  // by frame, light_gain.h
+  std::set<std::pair<int, int>> sizes_;
   std::size_t next_ = 0, batch_at_ = 0, batch_frames_ = 1;
   std::vector<ttf::SourceFrame> batch_;
 };

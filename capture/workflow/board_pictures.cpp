@@ -104,15 +104,18 @@ BoardPictures searchBoards(const std::vector<fs::path>& files, const BoardSpec& 
   all.taken = now;
   all.pictures.resize(files.size());
   std::vector<Image<float>> seen, unseen;
+  CommonZoom common;
   progress.begin("boards", static_cast<std::int64_t>(files.size()));
   for (std::size_t first = 0; first < files.size(); first += kAtATime) {
     const std::size_t count = std::min(kAtATime, files.size() - first);
     std::vector<Image<float>> greys(count);
+    std::vector<Zoom> zooms(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       BoardPicture& picture = all.pictures[first + i];
       const Bytes bytes = readFile(files[first + i]);
       picture.name = files[first + i].filename().string();
       picture.sha256 = sha256(bytes).hex();
+      zooms[i] = zoomOf(bytes);
       greys[i] = calibration::greyOf(decodePicture(bytes).linear.view());
       picture.sight = findBoard(greys[i].view(), board);
     });
@@ -122,6 +125,7 @@ BoardPictures searchBoards(const std::vector<fs::path>& files, const BoardSpec& 
         refuse(all.pictures[first + i].name + " is " + sizeText(greys[i].size()) + " pixels and " +
                all.pictures[0].name + " is " + sizeText(all.size) +
                ": pictures of one camera at one size are needed");
+      common.add(zooms[i], all.pictures[first + i].name);
       std::vector<Image<float>>& kept = all.pictures[first + i].sight ? seen : unseen;
       if (kept.size() < kKeptForProbing) kept.push_back(std::move(greys[i]));
     }
@@ -129,6 +133,7 @@ BoardPictures searchBoards(const std::vector<fs::path>& files, const BoardSpec& 
   }
   judge(all, seen, unseen, board, least);
   const PictureMetadata about = readMetadata(readFile(files[files.size() / 2]));
+  all.zoom = common.zoom();
   all.says_when = about.taken_utc.has_value();
   all.taken = about.taken_utc.value_or(now);
   return all;

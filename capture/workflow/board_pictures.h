@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibration/lens/board.h"
+#include "capture/workflow/zoom.h"
 #include "processing/image/progress.h"
 
 namespace patina::workflow {
@@ -26,10 +27,11 @@ struct BoardPictures {
   SizePx size;    // of all of them
   UtcTime taken;  // of the one in the middle, or `now`
   bool says_when = false;
+  Zoom zoom;
 };
 // Decodes and searches a few pictures at a time. Throws WorkflowError(kBadData) for pictures of
-// different sizes, for a board of another size than told (naming the one that is shown), and when
-// fewer than `least` of them show it.
+// different sizes or zooms, for a board of another size than told (naming the one that is shown),
+// and when fewer than `least` of them show it.
 BoardPictures searchBoards(const std::vector<std::filesystem::path>& files,
                            const calibration::BoardSpec& board, std::size_t least, UtcTime now,
                            Progress& progress);

@@ -40,6 +40,13 @@ std::optional<double> Facts::number(const std::string& key) const {
   return std::nullopt;
 }
 
+std::vector<std::string> Facts::texts(const std::string& key) const {
+  for (const auto& [name, value] : values_)
+    if (const auto* list = std::get_if<std::vector<std::string>>(&value); name == key && list)
+      return *list;
+  return {};
+}
+
 bool Facts::flag(const std::string& key) const {
   for (const auto& [name, value] : values_)
     if (name == key)

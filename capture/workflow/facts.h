@@ -23,8 +23,9 @@ class Facts {
   Facts& embed(const std::string& key, const Facts& inner);  // keys "key.inner"
 
   std::optional<std::string> text(const std::string& key) const;
-  std::optional<double> number(const std::string& key) const;  // of a count too
-  bool flag(const std::string& key) const;                     // false when it is not there
+  std::optional<double> number(const std::string& key) const;    // of a count too
+  bool flag(const std::string& key) const;                       // false when it is not there
+  std::vector<std::string> texts(const std::string& key) const;  // empty when they are not there
   const std::vector<std::pair<std::string, Value>>& all() const { return values_; }
 
   std::string json() const;                              // one line; same facts, same bytes

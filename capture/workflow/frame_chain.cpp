@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "capture/workflow/failure.h"
+
 namespace patina::workflow {
 namespace {
 
@@ -16,6 +18,22 @@ Correction ofArchiveFrames(const FrameRequest& request) {
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& what) {
   to.insert(to.end(), what.begin(), what.end());
+}
+
+// Where the light is to stay what it is, so that the chart's colours hold.
+std::optional<calibration::PlacePx> chartMiddle(const db::ArchiveReader& reader,
+                                                const calibration::CalibrationKey& frames,
+                                                const FrameRequest& request) {
+  if (!request.colour) return std::nullopt;
+  const CalibrationChoice chart =
+      chooseCalibration(reader, "colour", frames, request.correction.stale);
+  if (!chart.row || chart.row->size != frames.size) return std::nullopt;
+  calibration::PlacePx middle;
+  for (const auto& corner : readColourCalibration(fileOfCalibration(reader, *chart.row)).corners) {
+    middle.x += corner.x / 4;
+    middle.y += corner.y / 4;
+  }
+  return middle;
 }
 
 }  // namespace
@@ -36,17 +54,12 @@ FrameChain::FrameChain(const db::ArchiveReader& reader, const db::RunRow& run,
   if (request.lamps.any())
     source_ = &lamps_.emplace(reader, run.id, frames_, request.selection, request.correction,
                               request.lamps);
-  if (request.correction.masters)
-    if (const auto known = vignettingFor(reader, chosen, run.t0_utc)) {
-      source_ = &without_falloff_.emplace(*source_, known->vignetting, std::nullopt);
-      geometry_.push_back(known->used);
-    }
+  const calibration::CalibrationKey key = keyOf(chosen, run.t0_utc);
+  evenTheLight(key);
   std::optional<PixelMap> map;
   if (request.rectify) {
-    RectifyRequest rectify = *request.rectify;
-    rectify.stale = request.correction.stale;
-    rectify_ = rectifyMap(reader, chosen.camera, chosen.size, run.t0_utc, rectify);
-    geometry_.push_back(rectify_->view);
+    rectify_ = rectifyMap(reader, key, *request.rectify, request.correction.stale);
+    of_run_.push_back(rectify_->view);
     map = rectify_->map;
   }
   if (request.registration)
@@ -58,6 +71,37 @@ FrameChain::FrameChain(const db::ArchiveReader& reader, const db::RunRow& run,
                                request.correction.stale);
 }
 
+// A field holds the fall-off too; so does an albedo scale, as far as it was taken for even light.
+void FrameChain::evenTheLight(const calibration::CalibrationKey& key) {
+  const bool flat = hasFlat(frames_.report()), stale = request_.correction.stale;
+  std::optional<EvenLight> light;
+  if (request_.albedo) {
+    if (request_.colour)
+      throw WorkflowError(Exit::kUsage,
+                          "both an albedo scale and a colour chart say what is white: choose one");
+    light = albedoFor(reader_, key, flat, stale);
+  } else if (request_.field == FieldUse::kAsked ||
+             (request_.field == FieldUse::kWhereItFits && request_.correction.masters)) {
+    std::vector<std::string> left;
+    std::optional<StateField> field = fieldOfState(reader_, key, flat, stale, left);
+    if (!field && request_.field == FieldUse::kAsked)
+      throw WorkflowError(Exit::kBadData,
+                          "no field of gain fits these frames: " +
+                              (left.empty() ? shootInstead(key, "gain_field") : left.front()));
+    append(left_, left);
+    if (field) light = evenLightOf(std::move(*field), chartMiddle(reader_, key, request_));
+  }
+  if (light) {
+    append(of_run_, light->used);
+    source_ = &even_.emplace(*source_, std::move(*light));
+  } else if (request_.correction.masters && !flat) {
+    if (const auto known = vignettingFor(reader_, key, stale, left_)) {
+      source_ = &without_falloff_.emplace(*source_, known->vignetting, std::nullopt);
+      of_run_.push_back(known->used);
+    }
+  }
+}
+
 SizePx FrameChain::size() const { return rectify_ ? rectify_->map.size() : frames_.report().size; }
 
 void FrameChain::addOptions(Facts& options) const {
@@ -66,12 +110,19 @@ void FrameChain::addOptions(Facts& options) const {
   options.text("light", frames.light);
   options.count("exposure", frames.exposure);
   options.set("display_referred", frames.display_referred);
+  if (request_.selection.merged) options.count("hdr", frames.exposures);
   options.count("every", request_.selection.every);
   options.set("partial", request_.selection.partial);
+  options.count("file", request_.selection.file_index);
   options.set("light_gain", request_.correction.light_gain);
+  options.set("corrected", request_.correction.masters).set("stale", request_.correction.stale);
+  options.text("field_use", request_.field == FieldUse::kAsked  ? "asked"
+                            : request_.field == FieldUse::kNone ? "none"
+                                                                : "where_it_fits");
   options.set("masters", frames.masters);
   if (request_.lamps.any())
     options.set("ambient", request_.lamps.ambient).set("lamps_apart", request_.lamps.apart);
+  options.set("albedo", request_.albedo).set("field", even_.has_value() && !request_.albedo);
   if (request_.colour) options.text("colour", nameOf(*request_.colour));
   if (const auto& r = request_.registration) {
     options.text("register", name(r->model)).set("markers", r->markers).set("deform", r->deform);
@@ -90,11 +141,11 @@ void FrameChain::addInputs(Making& making) const {
   append(making.input_sha256s, frames_.report().input_sha256s);
   if (lamps_) append(making.input_sha256s, lamps_->report().input_sha256s);
   std::vector<std::string> described;
-  for (const UsedGeometry& used : geometry_) {
+  for (const RunCalibration& used : of_run_) {
     described.push_back(used.described);
     making.input_sha256s.push_back(used.sha256);
   }
-  if (!described.empty()) making.options.set("geometry", described);
+  if (!described.empty()) making.options.set("run_calibrations", described);
   if (!colour_) return;
   making.options.set("colour_calibrations", colour_->report().input_sha256s);
   append(making.input_sha256s, colour_->report().input_sha256s);
@@ -105,20 +156,27 @@ FramesReport FrameChain::frames() const {
   if (lamps_) {
     report.gain_min = lamps_->report().gain_min;
     report.gain_max = lamps_->report().gain_max;
+    report.gain_measured = lamps_->report().gain_measured;
   }
   return report;
 }
 
 std::vector<std::string> FrameChain::calibrations() const {
   std::vector<std::string> all = frames_.report().masters;
-  for (const UsedGeometry& used : geometry_) all.push_back(used.described);
+  for (const RunCalibration& used : of_run_) all.push_back(used.described);
   if (colour_) append(all, colour_->report().used);
+  return all;
+}
+
+std::vector<std::string> FrameChain::left() const {
+  std::vector<std::string> all = frames_.report().masters_left;
+  append(all, left_);
   return all;
 }
 
 std::vector<db::FrameCalibrationRow> FrameChain::bindings() const {
   std::vector<db::FrameCalibrationRow> all = frames_.bindings();
-  append(all, bindingsOf(reader_, run_id_, frames_.report(), geometry_));
+  append(all, bindingsOf(reader_, run_id_, frames_.report(), of_run_));
   if (colour_) append(all, colour_->report().bindings);
   return all;
 }

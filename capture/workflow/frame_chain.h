@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Everything that is done to a run's frames before they are a texture, in its order: masters and
-// light gains; ambient light and lamps that drifted apart; the lens's fall-off; registration and
-// rectification, resampled once; colour.
+// light gains; ambient light and lamps that drifted apart; the light's field and the lens's
+// fall-off, or absolute albedo; registration and rectification, resampled once; colour.
 #pragma once
 
 #include <optional>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/workflow/colour_frames.h"
+#include "capture/workflow/field_frames.h"
 #include "capture/workflow/lamp_frames.h"
 #include "capture/workflow/products.h"
 #include "capture/workflow/rectified_frames.h"
@@ -20,6 +21,8 @@ struct FrameRequest {
   FrameSelection selection;
   Correction correction;
   LampCorrection lamps;
+  FieldUse field = FieldUse::kWhereItFits;
+  bool albedo = false;                              // absolute: a perfect diffuser is 1
   std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
   std::optional<RectifyRequest> rectify;            // nothing: as the camera sees it
   std::optional<calibration::ColourSpace> colour;   // nothing: as the camera sees
@@ -44,6 +47,7 @@ class FrameChain {
   // Of the frames given so far.
   FramesReport frames() const;
   std::vector<std::string> calibrations() const;  // "dark 1: 0.2 days away", "view 4: ..."
+  std::vector<std::string> left() const;          // those that do not fit: why, what to shoot
   LampFramesReport lamps() const { return lamps_ ? lamps_->report() : LampFramesReport{}; }
   ColourFramesReport colour() const { return colour_ ? colour_->report() : ColourFramesReport{}; }
   const RegistrationReport* registration() const {
@@ -53,13 +57,17 @@ class FrameChain {
   std::vector<db::FrameCalibrationRow> bindings() const;
 
  private:
+  void evenTheLight(const calibration::CalibrationKey& key);
+
   const db::ArchiveReader& reader_;
   const std::string run_id_;
   const FrameRequest request_;
   ArchiveFrames frames_;
   ttf::FrameSource* source_;
   std::optional<LampFrames> lamps_;
-  std::vector<UsedGeometry> geometry_;
+  std::vector<RunCalibration> of_run_;
+  std::vector<std::string> left_;
+  std::optional<FieldFrames> even_;
   std::optional<RectifiedFrames> without_falloff_, rectified_;
   std::optional<RectifyMap> rectify_;
   std::optional<RegisteredFrames> registered_;

@@ -36,7 +36,9 @@ KeptCalibration keepGainField(const fs::path& archive, const GainFieldRequest& r
       .number("lowest", outcome.report.lowest)
       .number("highest", outcome.report.highest)
       .number("cover_width", outcome.report.cover_width)
-      .number("cover_height", outcome.report.cover_height);
+      .number("cover_height", outcome.report.cover_height)
+      .set("flat", outcome.from.flat);
+  addZoom(calibration.values, outcome.from.zoom);
   calibration.file_name = "gain_field.exr";
   calibration.write = [&](const fs::path& file) { writeExr(file, outcome.painted.view()); };
   calibration.run_id = outcome.from.run_id;
@@ -46,17 +48,6 @@ KeptCalibration keepGainField(const fs::path& archive, const GainFieldRequest& r
       .count("degree", request.field.degree);
   calibration.making = {request.command, options, 0, request.version, outcome.from.input_sha256s};
   return keepCalibration(archive, std::move(calibration), now);
-}
-
-std::optional<db::CalibrationRow> findGainField(const db::ArchiveReader& reader,
-                                                const std::string& camera, const std::string& lamp,
-                                                SizePx size) {
-  std::optional<db::CalibrationRow> newest;
-  for (const db::CalibrationRow& row : reader.calibrations("gain_field"))
-    if (row.device_id == camera && row.light_state == lamp && row.size == size &&
-        (!newest || row.id > newest->id))
-      newest = row;
-  return newest;
 }
 
 }  // namespace patina::workflow

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A lamp's field of gain, from pictures of a white or grey target under it alone: made, kept,
-// found.
+// A lamp's field of gain, from pictures of a white or grey target under it alone: made, kept.
+// field_frames.h finds and applies it.
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,10 +30,5 @@ GainFieldOutcome makeGainField(const std::filesystem::path& archive,
 // lamp is unknown, or the state is not one lamp.
 KeptCalibration keepGainField(const std::filesystem::path& archive, const GainFieldRequest& request,
                               const GainFieldOutcome& outcome, UtcTime now);
-
-// The field of `lamp` as this camera sees it, the newest of this size.
-std::optional<db::CalibrationRow> findGainField(const db::ArchiveReader& reader,
-                                                const std::string& camera, const std::string& lamp,
-                                                SizePx size);
 
 }  // namespace patina::workflow

@@ -8,6 +8,7 @@
 #include "calibration/lamps/ambient.h"
 #include "calibration/lamps/lamp_gains.h"
 #include "capture/workflow/failure.h"
+#include "capture/workflow/light_gain.h"
 
 namespace patina::workflow {
 
@@ -73,9 +74,33 @@ LampFrames::LampFrames(const db::ArchiveReader& reader, const std::string& run_i
   std::istringstream ids(frames_.report().light);
   std::vector<std::string> of_state;
   for (std::string id; std::getline(ids, id, '+');) of_state.push_back(id);
-  if (lamps.apart && of_state.size() > 1)
-    for (const std::string& lamp : of_state)
-      alone_.push_back(companion(lamp, "lamps that drift apart"));
+  if (correction.light_gain) measured_ = measuredGains(run_id, frames_.report().light);
+  if (!lamps.apart || of_state.size() < 2) return;
+  for (const std::string& lamp : of_state) {
+    alone_.push_back(companion(lamp, "lamps that drift apart"));
+    measured_alone_.push_back(correction.light_gain ? measuredGains(run_id, lamp) : Gains{});
+    if (measured_alone_.back().empty() && !measured_.empty())
+      throw WorkflowError(Exit::kUsage, "the light of " + frames_.report().light +
+                                            " was measured after it was captured, that of " + lamp +
+                                            " was not: run `patina light measure` with --light " +
+                                            lamp + " too");
+  }
+}
+
+LampFrames::Gains LampFrames::measuredGains(const std::string& run_id, const std::string& light) {
+  MeasuredGains measured = lightGainsOf(reader_, run_id, frames_.report().camera, light);
+  if (measured.gains.empty()) return {};
+  report_.gain_measured = true;
+  report_.input_sha256s.push_back(measured.sha256);
+  return std::move(measured.gains);
+}
+
+std::array<float, 3> LampFrames::gainOf(const Gains& measured, const ttf::SourceFrame& frame,
+                                        db::RowId shot) const {
+  const auto found = measured.find(frame.source.hex());
+  return found != measured.end()
+             ? found->second
+             : lightGainOf(reader_.lightChecksOfShot(shot), frames_.report().camera);
 }
 
 LampFrames::~LampFrames() = default;
@@ -96,11 +121,12 @@ void LampFrames::takeAmbient(Image<float>& linear, Nanoseconds exposure, std::in
 void LampFrames::undoDriftApart(Image<float>& linear, std::int64_t step) {
   std::vector<Image<float>> shots;
   std::vector<calibration::ChannelGains> gains;
-  for (const auto& lamp : alone_) {
+  for (std::size_t k = 0; k < alone_.size(); ++k) {
+    const auto& lamp = alone_[k];
     const ttf::SourceFrame& frame = lamp->at(step);
     shots.push_back(frame.linear);
     if (off_) takeAmbient(shots.back(), lamp->report().exposure_time, step);
-    const auto undo = lightGainOf(reader_.lightChecksOfShot(lamp->shot()), frames_.report().camera);
+    const std::array<float, 3> undo = gainOf(measured_alone_[k], frame, lamp->shot());
     gains.push_back({1 / undo[0], 1 / undo[1], 1 / undo[2]});
     for (const float gain : undo) {
       report_.gain_min = std::min(report_.gain_min, static_cast<double>(gain));
@@ -137,8 +163,7 @@ std::optional<ttf::SourceFrame> LampFrames::next() {
   if (!alone_.empty())
     undoDriftApart(frame->linear, place.step);
   else if (correction_.light_gain)
-    applyGain(frame->linear,
-              lightGainOf(reader_.lightChecksOfShot(place.shot), frames_.report().camera));
+    applyGain(frame->linear, gainOf(measured_, *frame, place.shot));
   return frame;
 }
 

@@ -24,6 +24,7 @@ struct LampFramesReport {
   double ambient_share_most = 0;  // of any channel's light of any frame given so far
   double noise_factor_most = 1;   // by that subtraction, limited by photons
   double gain_min = 1, gain_max = 1;
+  bool gain_measured = false;              // by `patina light measure`, not while it was captured
   std::vector<std::string> input_sha256s;  // of the other states' frames, known from the start
 };
 
@@ -31,8 +32,9 @@ struct LampFramesReport {
 class LampFrames final : public ttf::FrameSource {
  public:
   // `frames` are made with Correction::light_gain off: gains follow here, after ambient light is
-  // gone, where `correction` asks for them. Throws WorkflowError(kUsage) when the run has no
-  // lights-off shots, or a lamp of the state none of its own.
+  // gone, where `correction` asks for them: as measured since, else of the light checks. Throws
+  // WorkflowError(kUsage) when the run has no lights-off shots, or a lamp of the state none of its
+  // own, or the state was measured since and a lamp of it was not.
   LampFrames(const db::ArchiveReader& reader, const std::string& run_id, ArchiveFrames& frames,
              const FrameSelection& selection, const Correction& correction,
              const LampCorrection& lamps);
@@ -52,6 +54,10 @@ class LampFrames final : public ttf::FrameSource {
   using Places = std::map<std::pair<std::string, double>, Place>;  // by hash and time
   void takeAmbient(Image<float>& linear, Nanoseconds exposure, std::int64_t step);
   void undoDriftApart(Image<float>& linear, std::int64_t step);
+  using Gains = std::map<std::string, std::array<float, 3>>;  // by frame, light_gain.h
+  Gains measuredGains(const std::string& run_id, const std::string& light);
+  std::array<float, 3> gainOf(const Gains& measured, const ttf::SourceFrame& frame,
+                              db::RowId shot) const;
   void applyGain(Image<float>& linear, const std::array<float, 3>& gain);
 
   const db::ArchiveReader& reader_;
@@ -61,6 +67,8 @@ class LampFrames final : public ttf::FrameSource {
   Places places_;
   std::unique_ptr<Companion> off_;
   std::vector<std::unique_ptr<Companion>> alone_;  // of each lamp, where drift apart is undone
+  Gains measured_;
+  std::vector<Gains> measured_alone_;
 };
 
 }  // namespace patina::workflow

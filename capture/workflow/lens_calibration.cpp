@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/workflow/lens_calibration.h"
 
-#include <cmath>
-
 #include "capture/workflow/failure.h"
 #include "processing/image/picture_file.h"
 
@@ -22,10 +20,6 @@ struct Number {
 constexpr Number kNumbers[] = {{"fx", &Lens::fx}, {"fy", &Lens::fy}, {"cx", &Lens::cx},
                                {"cy", &Lens::cy}, {"k1", &Lens::k1}, {"k2", &Lens::k2},
                                {"p1", &Lens::p1}, {"p2", &Lens::p2}, {"k3", &Lens::k3}};
-
-std::string sizeText(SizePx size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
 
 }  // namespace
 
@@ -73,6 +67,7 @@ Facts factsOf(const LensCalibration& calibration, const LensRequest& request) {
       .set("tangential", request.options.tangential)
       .set("square_pixels", request.options.square_pixels)
       .text("made_by", request.version);
+  addZoom(facts, calibration.pictures.zoom);
   return facts;
 }
 
@@ -116,26 +111,6 @@ KeptCalibration keepLens(const fs::path& archive, const LensCalibration& calibra
   for (const BoardPicture& picture : calibration.pictures.pictures)
     kept.making.input_sha256s.push_back(picture.sha256);
   return keepCalibration(archive, std::move(kept), now);
-}
-
-std::optional<db::CalibrationRow> nearestOfCamera(const db::ArchiveReader& reader,
-                                                  const std::string& kind,
-                                                  const std::string& camera, SizePx size,
-                                                  UtcTime utc, std::string& why_not) {
-  std::optional<db::CalibrationRow> best;
-  const auto away = [utc](const db::CalibrationRow& row) {
-    return std::abs(toSeconds(row.utc - utc));
-  };
-  for (const db::CalibrationRow& row : reader.calibrations(kind)) {
-    if (row.device_id != camera) continue;
-    if (row.size != size) {
-      why_not = kind + " " + std::to_string(row.id) + " is of pictures of " + sizeText(row.size) +
-                " pixels, these have " + sizeText(size);
-      continue;
-    }
-    if (!best || away(row) <= away(*best)) best = row;
-  }
-  return best;
 }
 
 }  // namespace patina::workflow

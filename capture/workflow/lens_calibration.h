@@ -35,11 +35,4 @@ calibration::Lens readLens(const std::filesystem::path& file);
 KeptCalibration keepLens(const std::filesystem::path& archive, const LensCalibration& calibration,
                          const LensRequest& request, const std::string& camera, UtcTime now);
 
-// The calibration of this kind, camera and size that is nearest in time; nothing when there is
-// none. A lens or view of another size of picture is none: it is named in `why_not`.
-std::optional<db::CalibrationRow> nearestOfCamera(const db::ArchiveReader& reader,
-                                                  const std::string& kind,
-                                                  const std::string& camera, SizePx size,
-                                                  UtcTime utc, std::string& why_not);
-
 }  // namespace patina::workflow

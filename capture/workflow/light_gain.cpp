@@ -174,8 +174,8 @@ LightGainOutcome measureLightGain(const fs::path& archive, const LightGainReques
   return outcome;
 }
 
-LightGains lightGainsOf(const db::ArchiveReader& reader, const std::string& run_id,
-                        const std::string& camera, const std::string& light) {
+MeasuredGains lightGainsOf(const db::ArchiveReader& reader, const std::string& run_id,
+                           const std::string& camera, const std::string& light) {
   const db::CalibrationRow* newest = nullptr;
   const std::vector<db::CalibrationRow> rows = reader.calibrations(kKind);
   for (const db::CalibrationRow& row : rows) {
@@ -183,7 +183,8 @@ LightGains lightGainsOf(const db::ArchiveReader& reader, const std::string& run_
     if (Facts::parse(row.value_json).text("run") != run_id) continue;
     if (!newest || row.id > newest->id) newest = &row;
   }
-  return newest ? readGains(fileOfCalibration(reader, *newest)) : LightGains{};
+  if (!newest) return {};
+  return {readGains(fileOfCalibration(reader, *newest)), newest->sha256};
 }
 
 }  // namespace patina::workflow

@@ -32,9 +32,14 @@ struct LightGainOutcome {
 LightGainOutcome measureLightGain(const std::filesystem::path& archive,
                                   const LightGainRequest& request, UtcTime now, Progress& progress);
 
-// By the hash of the frame; of the newest measurement of this camera and light state in the run.
-using LightGains = std::map<std::string, std::array<float, 3>>;
-LightGains lightGainsOf(const db::ArchiveReader& reader, const std::string& run_id,
-                        const std::string& camera, const std::string& light);
+// Of the newest measurement of this camera and light state in the run; without gains where there
+// is none.
+using LightGains = std::map<std::string, std::array<float, 3>>;  // by the hash of the frame
+struct MeasuredGains {
+  LightGains gains;
+  std::string sha256;  // of their file
+};
+MeasuredGains lightGainsOf(const db::ArchiveReader& reader, const std::string& run_id,
+                           const std::string& camera, const std::string& light);
 
 }  // namespace patina::workflow

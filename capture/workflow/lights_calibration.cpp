@@ -2,111 +2,60 @@
 #include "capture/workflow/lights_calibration.h"
 
 #include <algorithm>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <set>
 
 #include "calibration/lamps/reduced_grey.h"
 #include "capture/workflow/failure.h"
-#include "capture/workflow/import_listing.h"
-#include "capture/workflow/picture_times.h"
-#include "processing/image/metadata_file.h"
+#include "capture/workflow/lens_calibration.h"
 
 namespace patina::workflow {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kCheckSidePx = 200;  // of the pictures that a light file is held against
-
-struct LitPictures {
-  std::vector<std::string> names;
-  std::function<Image<float>(int)> picture;
-  db::CalibrationRow row;
-  std::string run_id;
-  std::vector<std::string> input_sha256s;
-  std::shared_ptr<const db::ArchiveReader> reader;  // behind `picture`
-};
-
-LitPictures ofFolder(const fs::path& folder, UtcTime now) {
-  const std::vector<fs::path> files = picturesIn(folder);
-  LitPictures pictures;
-  for (const fs::path& file : files) {
-    pictures.names.push_back(file.filename().string());
-    pictures.input_sha256s.push_back(sha256OfFile(file).hex());
-  }
-  const Bytes first = readFile(files.front());
-  const PictureMetadata about = readMetadata(first);
-  pictures.row.size = readPictureHeader(first).size;
-  pictures.row.exposure = about.exposure.value_or(Nanoseconds{});
-  pictures.row.iso = about.iso ? about.iso->value : 0;
-  pictures.row.utc = about.taken_utc.value_or(now);
-  pictures.picture = [files](int i) {
-    return readPicture(files[static_cast<std::size_t>(i)]).linear;
-  };
-  return pictures;
-}
-
-LitPictures ofRun(const fs::path& archive, const LitPicturesRequest& request) {
-  LitPictures pictures;
-  pictures.reader = std::make_shared<const db::ArchiveReader>(archive);
-  const db::ArchiveReader& reader = *pictures.reader;
-  pictures.run_id = reader.findRun(request.run).id;
-  std::set<std::string> lamps;
-  reader.eachFrame(pictures.run_id, [&](const db::ArchiveReader::CapturedFrame& one) {
-    const std::string& state = one.shot.light_state;
-    if (state != "off" && state.find('+') == std::string::npos) lamps.insert(state);
-    pictures.row.utc = one.frame.utc;
-    pictures.row.iso = one.shot.iso;
-  });
-  if (lamps.empty())
-    throw WorkflowError(Exit::kBadData, pictures.run_id +
-                                            " has no shots under one lamp alone; give its plan "
-                                            "lights = [[\"key\"], [\"fill\"], ...]");
-  pictures.names.assign(lamps.begin(), lamps.end());
-  std::sort(pictures.names.begin(), pictures.names.end(), naturalLess);
-  const auto framesOf = [reader = pictures.reader, run = pictures.run_id,
-                         selection = request.selection](const std::string& lamp) {
-    FrameSelection under = selection;
-    under.light = lamp;
-    Correction correction;
-    correction.light_gain = false;
-    return std::make_unique<ArchiveFrames>(*reader, run, under, correction);
-  };
-  const auto first = framesOf(pictures.names.front());
-  pictures.row.device_id = first->report().camera;
-  pictures.row.exposure = first->report().exposure_time;
-  pictures.row.size = first->report().size;
-  pictures.picture = [framesOf, names = pictures.names](int i) {
-    return std::move(framesOf(names[static_cast<std::size_t>(i)])->next()->linear);
-  };
-  for (const std::string& lamp : pictures.names)
-    pictures.input_sha256s.push_back(framesOf(lamp)->report().input_sha256s.front());
-  return pictures;
-}
-
-LitPictures picturesOf(const fs::path& archive, const LitPicturesRequest& request, UtcTime now) {
-  return request.run.empty() ? ofFolder(request.folder, now) : ofRun(archive, request);
-}
+constexpr double kCentreOfTexel = 0.5;  // a lens counts from centres, a sphere from corners
+constexpr int kCheckSidePx = 200;       // of the pictures that a light file is held against
 
 }  // namespace
 
+std::optional<RunCalibration> takeLens(const fs::path& archive, const LitPictures& pictures,
+                                       calibration::SphereCamera& camera,
+                                       std::vector<std::string>& notes) {
+  const bool told = camera.pinhole || camera.focal_px > 0;
+  if (told || archive.empty() || pictures.row.device_id.empty()) return std::nullopt;
+  const db::ArchiveReader reader(archive);
+  const CalibrationChoice choice = chooseCalibration(reader, "lens", keyOf(pictures), false);
+  if (!choice.left.empty()) notes.push_back(choice.left);
+  if (!choice.row) return std::nullopt;
+  const calibration::Lens lens = readLens(fileOfCalibration(reader, *choice.row));
+  camera.pinhole = true;
+  camera.focal_px = (lens.fx + lens.fy) / 2;
+  camera.centre_x_px = lens.cx + kCentreOfTexel;
+  camera.centre_y_px = lens.cy + kCentreOfTexel;
+  camera.k1 = lens.k1;
+  camera.k2 = lens.k2;
+  return choice.used;
+}
+
 LightsOutcome measureLights(const fs::path& archive, const LightsRequest& request, UtcTime now,
                             Progress& progress) {
-  LitPictures pictures = picturesOf(archive, request.pictures, now);
+  LitPictures pictures = litPictures(archive, request.pictures, now);
+  if (!request.camera.empty()) pictures.row.device_id = request.camera;
+  calibration::SphereOptions sphere = request.sphere;
+  std::vector<std::string> notes;
+  const std::optional<RunCalibration> lens =
+      request.distant ? std::nullopt : takeLens(archive, pictures, sphere.camera, notes);
   const calibration::SphereShots shots{
       static_cast<int>(pictures.names.size()), pictures.picture,
       [&](int i) { return pictures.names[static_cast<std::size_t>(i)]; }};
   LightsOutcome outcome{
-      {}, calibration::lightsFromSphere(shots, request.sphere, progress), {}, {}, {}};
+      {}, calibration::lightsFromSphere(shots, sphere, progress), {}, {}, {}, lens, notes};
   for (std::size_t i = 0; i < pictures.names.size(); ++i)
     outcome.lights.push_back({pictures.names[i], outcome.measured.lights[i].direction});
   outcome.row = pictures.row;
   outcome.row.kind = "lights";
-  if (!request.camera.empty()) outcome.row.device_id = request.camera;
   outcome.run_id = pictures.run_id;
   outcome.input_sha256s = std::move(pictures.input_sha256s);
+  if (lens) outcome.input_sha256s.push_back(lens->sha256);
   return outcome;
 }
 
@@ -131,6 +80,7 @@ KeptCalibration keepLights(const fs::path& archive, const LightsRequest& request
   calibration.write = [&](const fs::path& file) { writeLights(file, outcome.lights); };
   calibration.run_id = outcome.run_id;
   Facts options;
+  if (outcome.lens) options.text("lens", outcome.lens->described);
   options.text("camera", outcome.row.device_id)
       .set("pinhole", request.sphere.camera.pinhole)
       .number("focal_px", request.sphere.camera.focal_px)
@@ -143,7 +93,7 @@ KeptCalibration keepLights(const fs::path& archive, const LightsRequest& request
 calibration::LightFileCheck checkLights(const fs::path& archive, const LitPicturesRequest& request,
                                         const fs::path& lights_file, Progress& progress) {
   const std::vector<LightDirection> lights = readLights(lights_file);
-  const LitPictures pictures = picturesOf(archive, request, UtcTime{});
+  const LitPictures pictures = litPictures(archive, request, UtcTime{});
   if (lights.size() != pictures.names.size())
     throw WorkflowError(Exit::kBadData, lights_file.string() + " has " +
                                             std::to_string(lights.size()) + " lights for " +

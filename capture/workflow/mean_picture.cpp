@@ -38,7 +38,9 @@ MeanPicture ofFolder(const MeanPictureRequest& request, UtcTime now, Progress& p
   files.resize(std::min(files.size(), static_cast<std::size_t>(request.frames_most)));
   MeanPicture mean;
   for (const fs::path& file : files) mean.input_sha256s.push_back(sha256OfFile(file).hex());
-  const PictureMetadata about = readMetadata(readFile(files.front()));
+  const Bytes first = readFile(files.front());
+  const PictureMetadata about = readMetadata(first);
+  mean.zoom = zoomOf(first);
   mean.row.device_id = request.camera;
   mean.row.light_state = request.light;
   mean.row.exposure = about.exposure.value_or(Nanoseconds{});
@@ -64,6 +66,8 @@ MeanPicture ofRun(const fs::path& archive, const MeanPictureRequest& request, Pr
   mean.row.device_id = frames.report().camera;
   mean.row.light_state = frames.report().light;
   mean.row.exposure = frames.report().exposure_time;
+  mean.zoom = {frames.report().focal_mm, frames.report().focus_m};
+  mean.flat = hasFlat(frames.report());
   reader.eachFrame(mean.run_id, [&](const db::ArchiveReader::CapturedFrame& one) {
     if (one.shot.device_id != mean.row.device_id) return;
     mean.row.iso = one.shot.iso;

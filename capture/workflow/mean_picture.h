@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/workflow/archive_frames.h"
+#include "capture/workflow/zoom.h"
 
 namespace patina::workflow {
 
@@ -20,6 +21,8 @@ struct MeanPictureRequest {
 struct MeanPicture {
   Image<float> linear;
   int frames = 0;
+  bool flat = false;  // they went through one
+  Zoom zoom;
   db::CalibrationRow row;  // camera, light state, exposure, ISO, size, time, as far as is known
   std::string run_id;
   std::vector<std::string> input_sha256s;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "capture/workflow/facts.h"
 #include "capture/workflow/sensor_chain.h"
 
 namespace patina::workflow {
@@ -14,8 +15,11 @@ db::RowId newerThan(const db::CalibrationRow& used, const std::vector<db::Calibr
   calibration::CalibrationKey frames = keyOf(used);
   frames.utc = utc;
   db::RowId newer = 0;
+  const auto run_of = [](const db::CalibrationRow& row) {  // a gain is of one run's frames
+    return row.kind == "light_gain" ? Facts::parse(row.value_json).text("run") : std::nullopt;
+  };
   for (const db::CalibrationRow& row : rows)
-    if (row.kind == used.kind && row.id > std::max(used.id, newer) &&
+    if (row.kind == used.kind && row.id > std::max(used.id, newer) && run_of(row) == run_of(used) &&
         calibration::distanceBetween(frames, keyOf(row)).within_tolerance)
       newer = row.id;
   return newer;

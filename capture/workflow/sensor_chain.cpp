@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "calibration/sensor/merge.h"
 #include "capture/workflow/calibration_record.h"
 #include "capture/workflow/defects_calibration.h"
 #include "capture/workflow/failure.h"
@@ -18,6 +19,8 @@ namespace {
 
 using calibration::CalibrationDistance;
 using calibration::CalibrationKey;
+
+constexpr float kWhite = 0.985f;  // linear; the code before the last of 8 bits
 
 struct Match {
   const db::CalibrationRow* row = nullptr;
@@ -64,6 +67,14 @@ bool isRaw(PictureFormat format) {
   return format == PictureFormat::kDng || format == PictureFormat::kRaw;
 }
 
+// Where a developed file has reached white.
+Image<std::uint8_t> whitesOf(const Image<float>& linear) {
+  Image<std::uint8_t> marks(linear.width(), linear.height(), linear.channels());
+  std::transform(linear.texels().begin(), linear.texels().end(), marks.texels().begin(),
+                 [](float v) -> std::uint8_t { return v >= kWhite ? calibration::kSaturated : 0; });
+  return marks;
+}
+
 // Of a JPEG or an 8-bit PNG or TIFF; what sRGB says is undone to the code it came from.
 Image<float> linearByResponse(const Image<float>& linear,
                               const calibration::ResponseCurve& response) {
@@ -99,10 +110,24 @@ Image<float> uncorrected(const SensorPicture& picture) {
   return light;
 }
 
+CalibrationKey keyOf(const db::ShotRow& shot, const db::FrameRow& frame) {
+  CalibrationKey key;
+  key.device_id = shot.device_id;
+  key.exposure = shot.exposure;
+  key.iso = shot.iso;
+  key.size = frame.size;
+  key.utc = frame.utc;
+  key.light_state = shot.light_state;
+  return key;
+}
+
 CalibrationKey keyOf(const db::CalibrationRow& row) {
   CalibrationKey key{row.kind, row.device_id,     row.exposure, row.iso,
                      row.size, row.temperature_c, row.utc,      row.light_state};
-  key.bits = static_cast<int>(Facts::parse(row.value_json).number("bits").value_or(0));
+  const Facts values = Facts::parse(row.value_json);
+  key.bits = static_cast<int>(values.number("bits").value_or(0));
+  key.focal_mm = values.number("focal_mm").value_or(0);
+  key.focus_m = values.number("focus_m").value_or(0);
   return key;
 }
 
@@ -202,28 +227,36 @@ std::size_t SensorChain::bind(CalibrationKey key, db::RowId frame_id) {
 }
 
 void SensorChain::prepare() {
-  for (Ready& ready : ready_) {
-    const auto picture =
-        [&](std::initializer_list<const char*> kinds) -> std::optional<Image<float>> {
-      for (const char* kind : kinds)
-        if (const auto at = ready.chosen.find(kind); at != ready.chosen.end())
-          return readPicture(fileOfCalibration(reader_, row(at->second))).linear;
-      return std::nullopt;
-    };
-    const auto view = [](const std::optional<Image<float>>& image) {
-      return image ? std::optional<ImageView<const float>>(image->view()) : std::nullopt;
-    };
-    const std::optional<Image<float>> dark = picture({"dark", "bias"}), flat = picture({"flat"});
-    std::vector<calibration::Defect> defects;
-    if (const auto at = ready.chosen.find("defects"); at != ready.chosen.end())
-      defects =
-          calibration::defectsThatMatter(readDefects(fileOfCalibration(reader_, row(at->second))),
-                                         ready.exposure, ready.warmest_c);
-    ready.correction = calibration::prepareCorrection(ready.size, channels_, filters_, view(dark),
-                                                      view(flat), defects);
-    if (const auto at = ready.chosen.find("response"); at != ready.chosen.end())
-      ready.response = readResponse(fileOfCalibration(reader_, row(at->second)));
-  }
+  for (Ready& ready : ready_) prepare(ready, false);
+}
+
+void SensorChain::prepareToMerge() {
+  for (Ready& ready : ready_) prepare(ready, true);
+}
+
+void SensorChain::prepare(Ready& ready, bool flat_apart) const {
+  const auto picture =
+      [&](std::initializer_list<const char*> kinds) -> std::optional<Image<float>> {
+    for (const char* kind : kinds)
+      if (const auto at = ready.chosen.find(kind); at != ready.chosen.end())
+        return readPicture(fileOfCalibration(reader_, row(at->second))).linear;
+    return std::nullopt;
+  };
+  const auto view = [](const std::optional<Image<float>>& image) {
+    return image ? std::optional<ImageView<const float>>(image->view()) : std::nullopt;
+  };
+  const std::optional<Image<float>> dark = picture({"dark", "bias"}), flat = picture({"flat"});
+  std::vector<calibration::Defect> defects;
+  if (const auto at = ready.chosen.find("defects"); at != ready.chosen.end())
+    defects = calibration::defectsThatMatter(
+        readDefects(fileOfCalibration(reader_, row(at->second))), ready.exposure, ready.warmest_c);
+  ready.correction = calibration::prepareCorrection(
+      ready.size, channels_, filters_, view(dark), flat_apart ? std::nullopt : view(flat), defects);
+  if (flat_apart)
+    ready.flat =
+        calibration::prepareCorrection(ready.size, channels_, filters_, {}, view(flat), {});
+  if (const auto at = ready.chosen.find("response"); at != ready.chosen.end())
+    ready.response = readResponse(fileOfCalibration(reader_, row(at->second)));
 }
 
 Image<float> SensorChain::apply(std::size_t bound, std::span<const std::byte> file,
@@ -237,6 +270,56 @@ Image<float> SensorChain::apply(std::size_t bound, std::span<const std::byte> fi
   Image<float> light(ready.size.width, ready.size.height, 1);
   calibration::toRadiance(*picture.raw, ready.correction, gain, light.view());
   return demosaicLinear(std::as_const(light).view(), ready.correction.filters);
+}
+
+calibration::NoiseModels SensorChain::noiseOrPhotons() const {
+  if (noise_) return *noise_;
+  calibration::NoiseModels photons;
+  photons.fill({.white_level = static_cast<double>((1 << std::min(bits_, 16)) - 1)});
+  return photons;
+}
+
+SensorChain::Merged SensorChain::merge(std::span<const Exposure> exposures) const {
+  calibration::ChannelGains mean{};
+  for (const Exposure& one : exposures)
+    for (std::size_t c = 0; c < 3; ++c)
+      mean[c] += one.gain[c] / static_cast<float>(exposures.size());
+  std::vector<Image<float>> lights;
+  std::vector<Image<std::uint8_t>> marks;
+  for (const Exposure& one : exposures) {
+    const Ready& ready = ready_.at(one.bound);
+    calibration::ChannelGains apart{};
+    for (std::size_t c = 0; c < 3; ++c) apart[c] = one.gain[c] / mean[c];
+    SensorPicture picture =
+        decodeSensorPicture(one.file, ready.response ? &*ready.response : nullptr);
+    if (picture.raw) {
+      lights.emplace_back(ready.size.width, ready.size.height, 1);
+      marks.emplace_back(ready.size.width, ready.size.height, 1);
+      calibration::toRadiance(*picture.raw, ready.correction, apart, lights.back().view(),
+                              marks.back().view());
+      continue;
+    }
+    marks.push_back(whitesOf(picture.linear));
+    calibration::correctLinear(picture.linear.view(), ready.correction, apart);
+    lights.push_back(std::move(picture.linear));
+  }
+  std::vector<calibration::Exposed> exposed;
+  double shortest_s = exposures.front().seconds;
+  for (std::size_t i = 0; i < exposures.size(); ++i) {
+    exposed.push_back({lights[i].view(), marks[i].view(), exposures[i].seconds});
+    shortest_s = std::min(shortest_s, exposures[i].seconds);
+  }
+  calibration::Merged merged = calibration::mergeExposures(exposed, filters_, noiseOrPhotons());
+  for (float& v : merged.light.texels()) v *= static_cast<float>(shortest_s);
+  calibration::correctLinear(merged.light.view(), *ready_.at(exposures.front().bound).flat, mean);
+  const std::vector<std::uint8_t>& of_all = merged.marks.texels();
+  for (std::size_t i = 0; i < of_all.size(); ++i)
+    if ((of_all[i] & calibration::kSaturated) != 0)
+      merged.light.texels()[i] = std::max(merged.light.texels()[i], 1.0f);
+  Merged out{{}, merged.saturated, merged.disagreement};
+  out.light = mosaic_ ? demosaicLinear(std::as_const(merged.light).view(), filters_)
+                      : std::move(merged.light);
+  return out;
 }
 
 }  // namespace patina::workflow

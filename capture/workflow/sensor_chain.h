@@ -31,6 +31,8 @@ SensorPicture decodeSensorPicture(std::span<const std::byte> file,
 // Share of full scale, [h][w][1] of a mosaic, else [h][w][3]: what masters are stacked from.
 Image<float> uncorrected(const SensorPicture& picture);
 
+// What a frame was taken with; its temperature is the caller's to know.
+calibration::CalibrationKey keyOf(const db::ShotRow& shot, const db::FrameRow& frame);
 // The key of a row, and of bits and response where it says so.
 calibration::CalibrationKey keyOf(const db::CalibrationRow& row);
 
@@ -57,7 +59,24 @@ class SensorChain {
   // bind and prepare.
   Image<float> apply(std::size_t bound, std::span<const std::byte> file,
                      const calibration::ChannelGains& gain) const;
+  // One of several exposures of a scene.
+  struct Exposure {
+    std::size_t bound = 0;
+    std::span<const std::byte> file;
+    calibration::ChannelGains gain{1, 1, 1};
+    double seconds = 0;
+  };
+  struct Merged {
+    Image<float> light;  // 1 is full scale of the shortest exposure, before flat and gain
+    std::int64_t saturated =
+        0;                    // samples that are so in every exposure: 1 at least, marked by that
+    double disagreement = 0;  // of the exposures: 1 where the noise model holds
+  };
+  // Merged before flat and gain, by the noise model, or as photons alone would have it where there
+  // is none; gains of one scene differ by little. Thread-safe like apply, after prepareToMerge.
+  Merged merge(std::span<const Exposure> exposures) const;
   void prepare();  // reads the files of what was chosen
+  void prepareToMerge();
   const Report& report() const { return report_; }
   const std::vector<db::FrameCalibrationRow>& bindings() const { return bindings_; }
   // Of the first frame that has one; in numbers of the raw files.
@@ -71,11 +90,14 @@ class SensorChain {
     Nanoseconds exposure{};
     double warmest_c = -300;  // of its frames: hot pixels are chosen for it
     calibration::SensorCorrection correction;
+    std::optional<calibration::SensorCorrection> flat;  // apart from the rest, to be merged before
     std::optional<calibration::ResponseCurve> response;
   };
   std::optional<db::RowId> choose(const std::string& kind, const calibration::CalibrationKey& key,
                                   db::RowId frame_id, std::optional<db::RowId> response);
   const db::CalibrationRow& row(db::RowId id) const;
+  void prepare(Ready& ready, bool flat_apart) const;
+  calibration::NoiseModels noiseOrPhotons() const;
 
   const db::ArchiveReader& reader_;
   const bool stale_;

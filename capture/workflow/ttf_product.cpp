@@ -10,7 +10,7 @@ namespace {
 Facts optionsOf(const TtfRequest& request, const FrameChain& chain) {
   Facts options;
   chain.addOptions(options);
-  options.number("scale", request.build.scale);
+  options.number("scale", request.build.scale).set("compress", request.build.compress);
   const SizePx size = chain.size();
   options.text("region",
                rectText(request.build.region.value_or(RectPx{0, 0, size.width, size.height})));
@@ -44,6 +44,10 @@ Facts metadataOf(const TtfRequest& request, const db::ArchiveReader& reader, con
   facts.text("camera", frames.camera);
   facts.text("light", frames.light);
   facts.count("exposure", frames.exposure);
+  if (frames.exposures > 1)
+    facts.count("exposures", frames.exposures)
+        .count("saturated_samples", frames.saturated_samples)
+        .number("disagreement", frames.disagreement_most);
   facts.count("width_px", outcome.size.width);
   facts.count("height_px", outcome.size.height);
   facts.count("t0_utc_ns", toNs(run.t0_utc));
@@ -52,6 +56,7 @@ Facts metadataOf(const TtfRequest& request, const db::ArchiveReader& reader, con
     facts.number("humidity_percent", *humidity);
   if (const auto degrees = meanReading(reader, run.id, "temperature"))
     facts.number("temperature_c", *degrees);
+  if (!outcome.calibrations_left.empty()) facts.set("calibrations_left", outcome.calibrations_left);
   if (outcome.registration_id.empty()) return facts;
   facts.text("registration", outcome.registration_id);
   facts.count("refused_frames", outcome.registration.refused);
@@ -104,6 +109,7 @@ TtfOutcome makeTtf(const std::filesystem::path& archive, const TtfRequest& reque
   if (!bindings.empty()) db::ProductWriter::bind(archive, bindings);
   outcome.frames = chain.frames();
   outcome.calibrations = chain.calibrations();
+  outcome.calibrations_left = chain.left();
   if (chain.registration()) {
     outcome.registration = *chain.registration();
     keepRegistration(archive, reader, run.id, request, now, making, outcome);

@@ -24,9 +24,10 @@ struct TtfOutcome {
   db::ProductRow product;
   std::filesystem::path path;
   FramesReport frames;
-  std::vector<std::string> calibrations;  // "view 4: 2.1 days away", "dark 5: ..."
-  RegistrationReport registration;        // empty when none was asked for
-  std::string registration_id;            // the product with every frame's pose
+  std::vector<std::string> calibrations;       // "view 4: 2.1 days away", "dark 5: ..."
+  std::vector<std::string> calibrations_left;  // those that do not fit: why, what to shoot
+  RegistrationReport registration;             // empty when none was asked for
+  std::string registration_id;                 // the product with every frame's pose
   double mm_per_texel = 0;
   ttf::BuildReport build;
   SizePx size;  // of the texture

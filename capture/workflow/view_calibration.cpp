@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/workflow/view_calibration.h"
 
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
 #include "capture/workflow/failure.h"
+#include "capture/workflow/run_calibration.h"
 #include "processing/image/metadata_file.h"
 #include "processing/image/picture_file.h"
 #include "processing/image/sha256.h"
@@ -14,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kDistanceShare = 0.1;
 constexpr std::uint64_t kBytesMost = 1'000'000;  // of a file of values
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -33,22 +36,39 @@ void findLens(const fs::path& archive, const ViewRequest& request, SizePx size,
       throw WorkflowError(Exit::kUsage,
                           "a pose needs the lens: give --lens FILE, or --archive and --camera");
     const db::ArchiveReader reader(archive);
-    std::string why_not;
-    const auto row = nearestOfCamera(reader, "lens", request.camera, size, made.taken, why_not);
-    if (!row)
-      throw WorkflowError(Exit::kBadData,
-                          "the archive has no lens of " + request.camera +
-                              (why_not.empty() ? "" : " that fits (" + why_not + ")") +
-                              ": shoot a board and run `patina calibrate lens`");
-    made.lens = readLens(fileOfCalibration(reader, *row));
-    made.lens_from = "lens " + std::to_string(row->id);
-    made.input_sha256s.push_back(row->sha256);
+    calibration::CalibrationKey key;
+    key.device_id = request.camera;
+    key.size = size;
+    key.utc = made.taken;
+    key.focal_mm = made.zoom.focal_mm;
+    key.focus_m = made.zoom.focus_m;
+    const CalibrationChoice lens = chooseCalibration(reader, "lens", key, false);
+    if (!lens.row)
+      throw WorkflowError(Exit::kBadData, "the archive has no lens of " + request.camera +
+                                              (lens.left.empty() ? ": " + shootInstead(key, "lens")
+                                                                 : " that fits: " + lens.left));
+    made.lens = readLens(fileOfCalibration(reader, *lens.row));
+    made.lens_from = "lens " + std::to_string(lens.row->id);
+    made.input_sha256s.push_back(lens.row->sha256);
   }
   if (made.lens.size != size)
     throw WorkflowError(Exit::kBadData,
                         "the lens is of pictures of " + std::to_string(made.lens.size.width) + "x" +
                             std::to_string(made.lens.size.height) + " pixels, and this one has " +
                             std::to_string(size.width) + "x" + std::to_string(size.height));
+}
+
+// The glass is not where the lens sees from: a tenth is left for that.
+void checkDistance(const calibration::View& view, double told_mm) {
+  const double found_mm =
+      std::hypot(view.plane_origin_mm[0], view.plane_origin_mm[1], view.plane_origin_mm[2]);
+  if (std::abs(found_mm / told_mm - 1) <= kDistanceShare) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the camera would stand %.0f mm away, and the ruler says %.0f: the squares or "
+                "markers are %.3g times as large as told",
+                found_mm, told_mm, told_mm / found_mm);
+  throw WorkflowError(Exit::kBadData, text);
 }
 
 double numberOf(const Facts& facts, const std::string& name, const std::string& source) {
@@ -91,12 +111,14 @@ ViewCalibration makeView(const fs::path& archive, const ViewRequest& request, Ut
     const BoardPictures pictures =
         searchBoards({request.picture}, *request.board, 1, now, progress);
     made.taken = pictures.taken;
+    made.zoom = pictures.zoom;
     size = pictures.size;
     made.input_sha256s.push_back(pictures.pictures[0].sha256);
     plane = planeOf(*pictures.pictures[0].sight);
   } else {
     const Bytes bytes = readFile(request.picture);
     made.taken = readMetadata(bytes).taken_utc.value_or(now);
+    made.zoom = zoomOf(bytes);
     made.input_sha256s.push_back(sha256(bytes).hex());
     const Image<float> grey = calibration::greyOf(decodePicture(bytes).linear.view());
     size = grey.size();
@@ -104,6 +126,7 @@ ViewCalibration makeView(const fs::path& archive, const ViewRequest& request, Ut
   }
   findLens(archive, request, size, made);
   made.fit = fitView(made.lens, plane);
+  if (request.distance_mm > 0) checkDistance(made.fit.view, request.distance_mm);
   made.seen = seenRegion(made.lens, made.fit.view);
   made.texels_per_mm = naturalTexelsPerMm(made.lens, made.fit.view, made.seen);
   return made;
@@ -135,6 +158,7 @@ Facts factsOf(const ViewCalibration& calibration, const ViewRequest& request) {
       .number("texels_per_mm", calibration.texels_per_mm)
       .text("lens_from", calibration.lens_from)
       .text("made_by", request.version);
+  addZoom(facts, calibration.zoom);
   return facts;
 }
 

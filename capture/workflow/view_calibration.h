@@ -16,6 +16,7 @@ struct ViewRequest {
   double marker_mm = 0;                         // side of those markers' black
   std::filesystem::path lens;                   // a file; or nothing: the archive's, of `camera`
   std::string camera;
+  double distance_mm = 0;  // from lens to board or markers, by a ruler; 0: nobody measured it
   std::string command, version;
 };
 struct ViewCalibration {
@@ -26,6 +27,7 @@ struct ViewCalibration {
   std::vector<std::string> input_sha256s;
   std::string lens_from;  // "lens 3 of the archive" or a file
   UtcTime taken;
+  Zoom zoom;
 };
 
 // Lines "id x y": where the middle of each marker (ArUco, 4x4_50) lies, in mm of the rig (x right,
@@ -33,7 +35,9 @@ struct ViewCalibration {
 // remark.
 std::vector<calibration::Fiducial> readFiducials(const std::filesystem::path& file);
 
-// `archive` may be empty when the request names a lens. Throws WorkflowError, CalibrationError.
+// `archive` may be empty when the request names a lens. Throws WorkflowError, CalibrationError;
+// kBadData when the distance is off by a tenth: one picture of a board with larger squares than
+// told is as good as that of another board further away.
 ViewCalibration makeView(const std::filesystem::path& archive, const ViewRequest& request,
                          UtcTime now, Progress& progress);
 

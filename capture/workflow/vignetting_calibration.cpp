@@ -20,10 +20,12 @@ struct Decoded {
   Image<float> linear;
   std::string sha256;
   std::optional<UtcTime> taken;
+  Zoom zoom;
 };
 Decoded decoded(const fs::path& file) {
   const Bytes bytes = readFile(file);
-  return {decodePicture(bytes).linear, sha256(bytes).hex(), readMetadata(bytes).taken_utc};
+  return {decodePicture(bytes).linear, sha256(bytes).hex(), readMetadata(bytes).taken_utc,
+          zoomOf(bytes)};
 }
 
 void sameSize(const Decoded& picture, const fs::path& file, SizePx size) {
@@ -86,11 +88,13 @@ VignettingCalibration makeVignetting(const VignettingRequest& request, UtcTime n
   made.pictures = static_cast<int>(files.size());
   std::vector<calibration::SurfaceSample> samples;
   Image<float> sum;
+  CommonZoom common;
   progress.begin("pictures", made.pictures);
   for (const fs::path& file : files) {
     const Decoded picture = decoded(file);
     if (made.size == SizePx{}) made.size = picture.linear.size();
     sameSize(picture, file, made.size);
+    common.add(picture.zoom, file.filename().string());
     made.input_sha256s.push_back(picture.sha256);
     made.taken = picture.taken.value_or(made.taken);
     if (request.board) {
@@ -105,6 +109,7 @@ VignettingCalibration makeVignetting(const VignettingRequest& request, UtcTime n
     }
     progress.step();
   }
+  made.zoom = common.zoom();
   if (request.board) {
     made.fit = vignettingOfShots(samples, request.options);
     return made;
@@ -130,6 +135,7 @@ Facts factsOf(const VignettingCalibration& calibration) {
       .count("samples", report.samples)
       .count("left_out", report.left_out)
       .count("pictures", calibration.pictures);
+  addZoom(facts, calibration.zoom);
   return facts;
 }
 

@@ -22,6 +22,7 @@ struct VignettingCalibration {
   int pictures = 0;
   std::vector<std::string> input_sha256s;
   UtcTime taken;
+  Zoom zoom;
 };
 VignettingCalibration makeVignetting(const VignettingRequest& request, UtcTime now,
                                      Progress& progress);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/image/metadata_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exiv2/exiv2.hpp>
 #include <mutex>
 
 namespace patina {
 namespace {
+
+constexpr double kInfinityM = 1e6;  // Exif says 2^32 - 1
 
 // Exiv2 warns on stderr unless told otherwise; absence is all a caller wants to know.
 void silenceOnce() {
@@ -57,6 +60,9 @@ void readExif(const Exiv2::ExifData& exif, PictureMetadata& out) {
   if (const auto seconds = rationalOf(exif, "Exif.Photo.ExposureTime"); seconds && *seconds < 1e9)
     out.exposure = fromSeconds(*seconds);
   if (const auto f = rationalOf(exif, "Exif.Photo.FNumber")) out.f_number = FNumber{*f};
+  out.focal_mm = rationalOf(exif, "Exif.Photo.FocalLength");
+  out.focus_m = rationalOf(exif, "Exif.Photo.SubjectDistance");
+  if (out.focus_m) out.focus_m = std::min(*out.focus_m, kInfinityM);
   const auto iso = exif.findKey(Exiv2::ExifKey("Exif.Photo.ISOSpeedRatings"));
   if (iso != exif.end() && iso->count() > 0 && iso->toLong() > 0)
     out.iso = Iso{static_cast<double>(iso->toLong())};

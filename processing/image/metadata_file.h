@@ -17,7 +17,9 @@ struct PictureMetadata {
   std::optional<Nanoseconds> exposure;
   std::optional<Iso> iso;
   std::optional<FNumber> f_number;
-  std::string camera;  // make and model
+  std::optional<double> focal_mm;  // of the lens as it was set
+  std::optional<double> focus_m;   // of the subject; 1e6 stands for infinity
+  std::string camera;              // make and model
 };
 
 PictureMetadata readMetadata(std::span<const std::byte> file);

@@ -85,6 +85,8 @@ Item productItem(const db::ArchiveReader& reader, const db::ProductRow& product)
       .set("created_utc_ns", product.created_utc)
       .set("metadata_json", product.metadata_json.c_str())
       .set("calibrations", Value{workflow::textsOf(workflow::calibrationsOf(reader, product))})
+      .set("calibrations_left",
+           Value{workflow::Facts::parse(product.metadata_json).texts("calibrations_left")})
       .set("inputs", product.input_sha256s.size())
       .hidden("input_sha256s", Value{product.input_sha256s});
   return item;

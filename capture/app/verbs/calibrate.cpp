@@ -84,6 +84,7 @@ void addCalibrateVerbs(Verb root) {
   addKind(group, "dark-flat", "Pictures with the shutter closed, exposed as the flats are");
   addCalibrateColour(group);
   addCalibrateLights(group);
+  addCalibrateNearLights(group);
   addCalibrateGainField(group);
   addCalibrateAlbedo(group);
   addCalibrateLens(group);

@@ -52,6 +52,8 @@ void measure(Context& context, Options& options) {
     throw AppError(Exit::kUsage, "where to? Give --out FILE.lp or --archive DIR");
   const workflow::LightsOutcome outcome = workflow::measureLights(
       context.options.archive, request, context.clock.utc(), context.progress);
+  for (const std::string& note : outcome.notes) context.warn("not used: " + note);
+  if (outcome.lens) context.out.say("by " + outcome.lens->described);
   if (!options.out.empty()) workflow::writeLights(options.out, outcome.lights);
   if (!context.options.archive.empty()) {
     const workflow::KeptCalibration kept =
@@ -116,6 +118,9 @@ void addCalibrateLights(Verb& group) {
               "Measure nothing: is this file mirrored, exchanged or of another count?")
       .option("--camera", o->request.camera, "ID", "The camera they were taken with")
       .option("--exposure", o->exposure, 0, 99, "Of a run with several exposures: 0 is the first")
+      .flag("--distant", o->request.distant,
+            "A camera far away, which sees the sphere as a circle (default: by the archive's lens "
+            "of this camera, where there is one)")
       .flag("--pinhole", camera.pinhole, "A near camera, which sees the sphere as an ellipse")
       .option("--focal-px", camera.focal_px, 0, 1e6, "Focal length in pixels")
       .option("--centre-x", camera.centre_x_px, -1, 1e6, "Principal point (default: the middle)")

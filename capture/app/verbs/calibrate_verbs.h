@@ -13,6 +13,7 @@ void addCalibrateColour(Verb& group);
 void addCalibrateAlbedo(Verb& group);
 void addCalibrateGainField(Verb& group);
 void addCalibrateLights(Verb& group);
+void addCalibrateNearLights(Verb& group);
 void addCalibrateLens(Verb& group);
 void addCalibrateVignetting(Verb& group);
 void addCalibrateView(Verb& group);

@@ -71,6 +71,8 @@ void addCalibrateView(Verb& group) {
   verb.option("--fiducials", o->fiducials, "FILE",
               "Instead of a board: lines of `id x y [angle]`, ArUco 4x4_50, mm of the rig")
       .option("--lens", o->lens, "FILE.json", "The lens (default: the archive's, of --camera)")
+      .option("--check-distance", o->request.distance_mm, 0, 1e6,
+              "In mm, from lens to board by a ruler: are the squares as large as told?")
       .option("--out", o->out, "FILE.json", "Also write the view there")
       .option("--camera", o->camera, "ID", "Keep it in the archive, as this camera's");
 }

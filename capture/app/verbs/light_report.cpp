@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// patina light report | measure RUN: what the light of a run did, and what it was where nobody
-// watched.
+// patina light report | measure | confirm RUN: what the light of a run did, what it was where
+// nobody watched, and whether the lamps that lit it were the right ones.
 #include "capture/workflow/light_report.h"
 
 #include "capture/app/context.h"
 #include "capture/app/verbs/frame_options.h"
 #include "capture/app/verbs/verbs.h"
+#include "capture/workflow/lamp_confirmation.h"
 #include "capture/workflow/light_gain.h"
 #include "capture/workflow/pictures.h"
 #include "devices/config_file.h"
@@ -101,6 +102,48 @@ void measure(Context& context, MeasureOptions& options) {
   context.out.add(std::move(item));
 }
 
+struct ConfirmOptions {
+  std::string run = "latest";
+  workflow::FrameSelection selection;
+  int exposure = -1;
+};
+
+void confirm(Context& context, ConfirmOptions& options) {
+  const db::ArchiveReader reader(context.archive());
+  if (options.exposure >= 0) options.selection.exposure = options.exposure;
+  const workflow::LampConfirmation found = workflow::confirmLamps(
+      reader, reader.findRun(options.run).id, options.selection, context.progress);
+  for (const std::string& one : found.told) context.out.say(one);
+  context.out.say(found.verdict());
+  for (const workflow::StateConfirmation& state : found.states)
+    context.out.add(std::move(Item()
+                                  .set("camera", found.camera.c_str())
+                                  .set("light", state.light.c_str())
+                                  .set("frames", state.frames)
+                                  .set("confirmed", state.confirmed)
+                                  .set("other", state.other)
+                                  .set("dark", state.dark)
+                                  .set("unclear", state.unclear)
+                                  .set("margin_least", Value{state.margin_least})
+                                  .hidden("verdict", Value{found.verdict()})
+                                  .hidden("told", Value{found.told})));
+  if (!found.all()) context.exit_code = static_cast<int>(Exit::kBadData);
+}
+
+void addConfirm(Verb& light) {
+  auto o = std::make_shared<ConfirmOptions>();
+  light
+      .verb("confirm",
+            "Which lamp lit each frame, told by its shading: exit 65 where it is not the one of "
+            "its row",
+            "patina light confirm latest --archive banana",
+            [o](Context& context) { confirm(context, *o); })
+      .optional("RUN", o->run, "A run's id, a prefix of one, or latest")
+      .option("--camera", o->selection.camera, "ID", "Where a run has several cameras")
+      .option("--exposure", o->exposure, 0, 99, "Where it has several exposures: 0 is the first")
+      .option("--every", o->selection.every, 1, 1'000'000, "Every n-th of the frames there are");
+}
+
 }  // namespace
 
 void addLightVerbs(Verb root) {
@@ -123,6 +166,7 @@ void addLightVerbs(Verb root) {
       .option("--patch", m->patch, parseRect, "X,Y,W,H", "The region, pixels from the upper left")
       .demand("--patch");
   addFrameOptions(verb, *m);
+  addConfirm(light);
 }
 
 }  // namespace patina::app

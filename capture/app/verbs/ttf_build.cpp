@@ -4,7 +4,8 @@
 #include "capture/app/verbs/frame_options.h"
 #include "capture/app/verbs/specimen_place.h"
 #include "capture/app/verbs/ttf_verbs.h"
-#include "capture/workflow/ttf_product.h"
+#include "capture/workflow/products.h"
+#include "capture/workflow/ttf_again.h"
 
 namespace patina::app {
 namespace {
@@ -12,12 +13,12 @@ namespace {
 struct Options : FrameOptions {
   workflow::TtfRequest request;
   std::optional<RectPx> region;
-  bool whole = false, rectify = false;
+  bool whole = false, rectify = false, hdr = false, field = false, no_field = false;
   workflow::RectifyRequest rectification;
   std::string register_by;
   std::vector<std::string> fiducials;
   bool markers = false, deform = false;
-  std::string out;
+  std::string out, again;
 };
 
 calibration::RegionMm parseRegionMm(const std::string& text) {
@@ -85,22 +86,47 @@ void tellRegistration(Context& context, const workflow::TtfOutcome& outcome) {
                  " of the first one; beyond it texels are 0 where nothing was seen");
 }
 
-void build(Context& context, Options& options) {
+// What was asked for then, wholly; where to is asked anew.
+workflow::TtfRequest askedBefore(const Context& context, const Options& options) {
+  const db::ArchiveReader reader(context.archive());
+  workflow::TtfRequest request =
+      workflow::requestOf(workflow::findProduct(reader, "ttf", options.again));
+  request.out = options.out;
+  request.command = "patina ttf build";
+  request.version = PATINA_VERSION;
+  return request;
+}
+
+void askAnew(const Context& context, Options& options) {
   workflow::TtfRequest& request = options.request;
   request.selection = options.selection;
+  request.selection.merged = options.hdr;
+  if (options.hdr && options.selection.exposure)
+    throw AppError(Exit::kUsage, "--hdr takes all exposures of a step: leave out --exposure");
   request.correction = correctionOf(options);
   request.out = options.out;
-  if (options.uncorrected && request.lamps.any())
-    throw AppError(Exit::kUsage, "--uncorrected leaves no --ambient and no --lamps-apart");
+  if (options.uncorrected && (request.lamps.any() || options.field || request.albedo))
+    throw AppError(Exit::kUsage,
+                   "--uncorrected leaves no --ambient, --lamps-apart, --field and --albedo");
+  if (options.no_field && (options.field || request.albedo))
+    throw AppError(Exit::kUsage, "--no-field leaves no --field and no --albedo");
+  if (options.no_field) request.field = workflow::FieldUse::kNone;
+  if (options.field) request.field = workflow::FieldUse::kAsked;
   request.command = "patina ttf build";
   request.version = PATINA_VERSION;
   request.seed = context.seed();
   askForRegistration(options, request);
   placeRegion(options, context.archive());
+}
+
+void build(Context& context, Options& options) {
+  if (options.again.empty()) askAnew(context, options);
+  const workflow::TtfRequest request =
+      options.again.empty() ? options.request : askedBefore(context, options);
   const workflow::TtfOutcome outcome =
       workflow::makeTtf(context.archive(), request, context.clock.utc(), context.progress);
   const workflow::FramesReport& frames = outcome.frames;
-  for (const std::string& why : frames.masters_left) context.warn("not used: " + why);
+  for (const std::string& why : outcome.calibrations_left) context.warn("not used: " + why);
   if (frames.sizes > 1)
     context.warn("frames of " + std::to_string(frames.sizes) + " sizes were cut to " +
                  std::to_string(frames.size.width) + "x" + std::to_string(frames.size.height) +
@@ -124,7 +150,11 @@ void build(Context& context, Options& options) {
                     .set("exposure", frames.exposure)
                     .set("gain_min", Value{frames.gain_min})
                     .set("gain_max", Value{frames.gain_max})
+                    .set("exposures", frames.exposures)
+                    .set("saturated_samples", frames.saturated_samples)
+                    .set("disagreement", Value{frames.disagreement_most})
                     .set("calibrations", Value{outcome.calibrations})
+                    .set("calibrations_left", Value{outcome.calibrations_left})
                     .set("registration", outcome.registration_id.c_str())
                     .set("frames_refused", outcome.registration.refused)
                     .set("pose_epochs", std::int64_t(outcome.registration.epochs.size()))
@@ -144,6 +174,9 @@ void addTtfBuild(Verb ttf) {
   verb.optional("RUN", o->request.run, "A run's id, a prefix of one, or latest (the default)")
       .option("--run", o->request.run, "RUN", "The same")
       .option("--out", o->out, "FILE.h5", "Where to (default: inside the archive)")
+      .option("--again", o->again, "TTF",
+              "As that texture was asked for, with the calibrations that fit best by now: all "
+              "options but --out are that texture's")
       .option("--roi", o->region, parseRect, "X,Y,W,H",
               "Region of the pictures (default: the twin's specimen; else all)")
       .flag("--whole", o->whole, "The whole picture, also of a twin")
@@ -155,6 +188,13 @@ void addTtfBuild(Verb ttf) {
       .option("--scale", o->request.build.scale, 1e-6, 1e6, "Linear value stored as 65535")
       .option("--colour", o->request.colour, workflow::parseColourSpace, "SPACE",
               "In colours by the archive's chart: srgb (linear, Rec. 709) or xyz (D50)")
+      .flag("--hdr", o->hdr,
+            "All exposures of a step in one frame, weighed by their noise, scaled as the shortest")
+      .flag("--field", o->field,
+            "By the lamps' fields of gain, or not at all (default: where they fit)")
+      .flag("--no-field", o->no_field, "Leave the light as uneven as it is")
+      .flag("--albedo", o->request.albedo,
+            "Absolute diffuse reflectance by the archive's scale: a perfect diffuser is 1")
       .option("--register", o->register_by, "MODEL",
               "Lay frames over the first: translation, euclidean, affine, homography")
       .option("--fiducial", o->fiducials, "X,Y,W,H",

@@ -65,12 +65,14 @@ void info(Context& context, const std::string& in) {
                      "there is no file " + in + "; for one of an archive give --archive DIR too");
     file = workflow::findTtf(db::ArchiveReader(context.archive()), in).path;
   }
-  std::vector<std::string> calibrations;
+  std::vector<std::string> calibrations, left;
   if (!context.options.archive.empty()) {
     const db::ArchiveReader archive(context.archive());
     for (const db::ProductRow& product : archive.products("ttf"))
-      if (workflow::pathOfProduct(archive.folder(), product) == file)
+      if (workflow::pathOfProduct(archive.folder(), product) == file) {
         calibrations = workflow::textsOf(workflow::calibrationsOf(archive, product));
+        left = workflow::Facts::parse(product.metadata_json).texts("calibrations_left");
+      }
   }
   const ttf::TtfReader reader(file);
   const ttf::TtfInfo& info = reader.info();
@@ -91,6 +93,7 @@ void info(Context& context, const std::string& in) {
                                 .set("first_s", Value{first})
                                 .set("last_s", Value{last})
                                 .set("calibrations", Value{calibrations})
+                                .set("calibrations_left", Value{left})
                                 .set("provenance_json", info.provenance_json.c_str())));
 }
 

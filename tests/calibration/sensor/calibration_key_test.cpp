@@ -85,6 +85,45 @@ TEST(DistanceBetween, DefectsNoiseAndResponseAskForLess) {
   EXPECT_FALSE(distanceBetween(frame, key("defects")).usable);
 }
 
+TEST(DistanceBetween, GeometryIsOfItsZoomAndFocusWhereFilesSayThem) {
+  for (const char* kind : {"lens", "view", "vignetting"}) {
+    CalibrationKey frame = key("frame"), made = key(kind);
+    made.focal_mm = 35;
+    made.focus_m = 0.5;
+    EXPECT_TRUE(distanceBetween(frame, made).within_tolerance) << "the frame does not say";
+    frame.focal_mm = 35.2;
+    frame.focus_m = 0.51;
+    EXPECT_TRUE(distanceBetween(frame, made).within_tolerance);
+    frame.focal_mm = 36;
+    EXPECT_EQ(distanceBetween(frame, made).why_not, "at 35 mm, not 36 mm") << kind;
+    EXPECT_FALSE(distanceBetween(frame, made).usable);
+    frame.focal_mm = 35;
+    frame.focus_m = 0.6;
+    EXPECT_EQ(distanceBetween(frame, made).why_not, "focused at 0.5 m, not 0.6 m") << kind;
+  }
+}
+
+TEST(DistanceBetween, GeometryHoldsForNinetyDaysAndALensAlways) {
+  CalibrationKey frame = key("frame");
+  frame.utc = parseUtc("2024-07-15");
+  EXPECT_TRUE(distanceBetween(frame, key("view")).within_tolerance);
+  EXPECT_TRUE(distanceBetween(frame, key("vignetting")).within_tolerance);
+  frame.utc = parseUtc("2024-09-01");
+  EXPECT_EQ(distanceBetween(frame, key("view")).why_not, "123 days away, at most 90");
+  EXPECT_TRUE(distanceBetween(frame, key("view")).usable);
+  EXPECT_TRUE(distanceBetween(frame, key("lens")).within_tolerance);
+}
+
+TEST(DistanceBetween, WhatHoldsALampsLightIsOfThatLamp) {
+  for (const char* kind : {"gain_field", "albedo", "colour", "flat"}) {
+    CalibrationKey frame = key("frame"), made = key(kind);
+    made.light_state = frame.light_state = "key";
+    EXPECT_TRUE(distanceBetween(frame, made).within_tolerance) << kind;
+    frame.light_state = "fill";
+    EXPECT_EQ(distanceBetween(frame, made).why_not, "lit by key, not fill");
+  }
+}
+
 TEST(ShootInstead, SaysExposureIsoAndTemperature) {
   CalibrationKey frame = key("frame");
   frame.exposure = std::chrono::milliseconds(20);

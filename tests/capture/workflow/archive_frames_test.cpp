@@ -52,6 +52,52 @@ TEST_F(ArchiveFramesOf, ComeInOrderOfTimeWithTheirHashes) {
   EXPECT_EQ(all({.every = 4}).size(), 10u);
 }
 
+// A sweep of two exposures: `ratio` of light between them as the pictures have it.
+MadeStep swept(int short_level, int long_level, double gain = 1) {
+  MadeShot brief, longer;
+  brief.exposure = 1;
+  brief.level = short_level;
+  brief.exposed = std::chrono::milliseconds(10);
+  longer.level = long_level;
+  longer.exposed = std::chrono::milliseconds(40);
+  if (gain != 1) brief.checks = longer.checks = {check("g", 1 / gain, "correct", gain)};
+  return {{longer, brief}};
+}
+
+TEST_F(ArchiveFramesOf, ExposuresOfAStepAreMergedAndScaledAsTheShortest) {
+  // Four times the light in the second one, by sRGB's curve; the last step's is white there.
+  const auto levelOf = [](float linear) {
+    return static_cast<int>(std::lround(255 * srgbFromLinear(linear)));
+  };
+  const float dim = linearFromSrgb(60 / 255.0f), bright = linearFromSrgb(180 / 255.0f);
+  makeRun(folder_.path(), {swept(60, levelOf(4 * dim)), swept(180, 255, 1.1), swept(255, 255)});
+  const auto frames = all({.merged = true});
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_NEAR(frames[0].linear.at(5, 5, 1), dim, 0.01 * dim);
+  EXPECT_NEAR(frames[1].linear.at(5, 5, 1), bright * 1.1, 1e-3) << "the long one is white: not it";
+  EXPECT_GE(frames[2].linear.at(5, 5, 1), 1) << "white in both";
+  EXPECT_EQ(report_.saturated_samples, 24 * 16 * 3);
+  EXPECT_EQ(report_.exposures, 2);
+  EXPECT_EQ(report_.exposure, 1);
+  EXPECT_EQ(report_.exposure_time, std::chrono::milliseconds(10));
+  EXPECT_EQ(report_.input_sha256s.size(), 6u);
+  EXPECT_THAT(report_.masters_left,
+              ::testing::ElementsAre(::testing::HasSubstr("calibrate noise")));
+}
+
+TEST_F(ArchiveFramesOf, AStepThatLacksAnExposureIsNotMerged) {
+  MadeStep lacking = swept(60, 100);
+  lacking.shots.pop_back();
+  makeRun(folder_.path(), {swept(60, 100), lacking});
+  EXPECT_EQ(all({.merged = true}).size(), 1u);
+  EXPECT_EQ(report_.steps_partial_left_out, 1);
+}
+
+TEST_F(ArchiveFramesOf, OneExposureIsNothingToMerge) {
+  makeRun(folder_.path(), {{{MadeShot{}}}});
+  EXPECT_THAT(refusal({.merged = true}), ::testing::HasSubstr("nothing to merge"));
+}
+
 TEST_F(ArchiveFramesOf, SeveralLightsAreRefusedWithTheChoices) {
   MadeShot key, fill;
   fill.light = "fill";

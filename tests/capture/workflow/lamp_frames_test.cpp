@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/workflow/failure.h"
+#include "capture/workflow/light_gain.h"
 #include "processing/image/encoding.h"
 #include "tests/capture/workflow/small_run.h"
 
@@ -73,6 +74,46 @@ TEST_F(LampFramesOf, LampsThatDriftedApartAreUndoneByTheirOwnShots) {
   const float expected = linear(160) - (1 - 1 / 0.9f) * linear(90) - (1 - 1 / 1.1f) * linear(120);
   EXPECT_NEAR(found[0], expected, 1e-5) << "and not by the gain of both";
   EXPECT_NEAR(levels("key", {false, true})[0], linear(120) / 1.1f, 1e-5) << "one lamp: its gain";
+}
+
+void keepGains(const std::filesystem::path& archive, const std::string& light) {
+  LightGainRequest request;
+  request.run = "latest";
+  request.selection.light = light;
+  request.patch = {2, 2, 10, 10};
+  Progress progress;
+  measureLightGain(archive, request, testing::now(), progress);
+}
+
+TEST_F(LampFramesOf, ARunMeasuredSinceTakeTheMeasuredGainsBeforeThoseOfTheGate) {
+  std::vector<MadeStep> steps;
+  for (const int level : {140, 150, 160})
+    steps.push_back({{shotOf("key", level, 1.5), shotOf("off", 40)}});
+  testing::makeRun(folder_.path(), steps);
+  keepGains(folder_.path(), "key");
+  const std::vector<float> found = levels("key", {true, false});
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_NEAR(found[0], (linear(140) - linear(40)) * linear(150) / linear(140), 1e-4);
+  EXPECT_NEAR(found[1], linear(150) - linear(40), 1e-4);
+  EXPECT_TRUE(report_.gain_measured);
+  EXPECT_EQ(report_.input_sha256s.size(), 4u) << "three dark frames and the gains";
+}
+
+TEST_F(LampFramesOf, LampsThatDriftedApartAreMeasuredEachOrRefused) {
+  std::vector<MadeStep> steps;
+  for (const int drift : {0, 10, 20})
+    steps.push_back({{shotOf("fill", 90), shotOf("key", 120 + drift), shotOf("fill+key", 160)}});
+  testing::makeRun(folder_.path(), steps);
+  keepGains(folder_.path(), "fill+key");
+  keepGains(folder_.path(), "fill");
+  EXPECT_THAT(([&] {
+                levels("fill+key", {false, true});
+              }),
+              ThrowsMessage<WorkflowError>(HasSubstr("that of key was not")));
+  keepGains(folder_.path(), "key");
+  const std::vector<float> found = levels("fill+key", {false, true});
+  EXPECT_NEAR(found[0], linear(160) + linear(130) - linear(120), 1e-4);
+  EXPECT_NEAR(found[2], linear(160) + linear(130) - linear(140), 1e-4);
 }
 
 TEST_F(LampFramesOf, StatesThatAreNotThereAreAskedFor) {

@@ -70,9 +70,10 @@ TEST(LightGain, MakesTheRegionTheSameInAllFramesAndBindsItselfToThem) {
   EXPECT_GT(flicker(levelsOf(lapse.archive, lapse.run, {12, 4, 8, 8}, 1, false), 1), 0.2);
   EXPECT_LT(flicker(levelsOf(lapse.archive, lapse.run, {12, 4, 8, 8}, 1, true), 1), 1e-5);
   const db::ArchiveReader reader(lapse.archive);
-  EXPECT_EQ(lightGainsOf(reader, lapse.run, outcome.row.device_id, outcome.row.light_state).size(),
-            5u);
-  EXPECT_TRUE(lightGainsOf(reader, lapse.run, "another", outcome.row.light_state).empty());
+  EXPECT_EQ(
+      lightGainsOf(reader, lapse.run, outcome.row.device_id, outcome.row.light_state).gains.size(),
+      5u);
+  EXPECT_TRUE(lightGainsOf(reader, lapse.run, "another", outcome.row.light_state).gains.empty());
 }
 
 TEST(LightGain, IsThatOfTheNewestMeasurement) {

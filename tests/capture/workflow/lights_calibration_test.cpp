@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "capture/workflow/failure.h"
+#include "capture/workflow/lens_calibration.h"
 #include "tests/capture/workflow/small_run.h"
 
 namespace patina::workflow {
@@ -55,6 +56,42 @@ TEST_F(Lights, AreNamedByTheirPicturesAndPointToTheLamp) {
   EXPECT_NEAR(outcome.lights[1].direction[1], M_SQRT1_2, 0.03) << "y points up";
   EXPECT_NEAR(outcome.lights[2].direction[2], 1, 0.002);
   EXPECT_NEAR(outcome.measured.sphere.disc().radius_px, 30, 0.5) << "found by itself";
+}
+
+TEST_F(Lights, AreSeenThroughTheArchivesLensOfTheirCamera) {
+  testing::makeRun(folder_ / "archive", {{{testing::MadeShot{}}}});
+  LensCalibration lens;
+  lens.fit.lens = {{120, 100}, 150, 150, 59.5, 49.5, -0.1, 0, 0, 0, 0};
+  lens.pictures.size = {120, 100};
+  lens.pictures.taken = testing::now();
+  const KeptCalibration kept = keepLens(folder_ / "archive", lens, {}, "cam0", testing::now());
+  Progress progress;
+  const auto measured = [&] {
+    return measureLights(folder_ / "archive", request_, testing::now(), progress);
+  };
+  const LightsOutcome near = measured();
+  ASSERT_TRUE(near.lens);
+  EXPECT_EQ(near.lens->described, "lens 1: 0.0 days away");
+  EXPECT_THAT(near.input_sha256s, ::testing::Contains(kept.row.sha256));
+  request_.distant = true;
+  const LightsOutcome far = measured();
+  EXPECT_FALSE(far.lens);
+  EXPECT_GT(std::abs(near.lights[0].direction[0] - far.lights[0].direction[0]), 0.02)
+      << "a near camera sees less than half of the sphere";
+  request_.distant = false;
+  request_.sphere.camera = {.pinhole = true, .focal_px = 400};
+  EXPECT_FALSE(measured().lens) << "a lens that is told comes first";
+}
+
+TEST_F(Lights, SayWhyTheArchivesLensDoesNotServeThem) {
+  testing::makeRun(folder_ / "archive", {{{testing::MadeShot{}}}});
+  LensCalibration lens;
+  lens.fit.lens = {{640, 480}, 800, 800, 319.5, 239.5, 0, 0, 0, 0, 0};
+  lens.pictures.size = {640, 480};
+  keepLens(folder_ / "archive", lens, {}, "cam0", testing::now());
+  Progress progress;
+  EXPECT_THAT(measureLights(folder_ / "archive", request_, testing::now(), progress).notes,
+              ::testing::ElementsAre(HasSubstr("lens 1: of size 640x480, not 120x100")));
 }
 
 TEST_F(Lights, AreKeptAsALightFile) {

@@ -66,6 +66,13 @@ class RectifiedRun : public ::testing::Test {
     request.camera = "cam0";
     workflow::keepView(archive_, made, request, testing::now());
   }
+  void keepFallOff(std::chrono::hours ago) {
+    VignettingCalibration made;
+    made.fit.vignetting = {-0.5, 0, 0};
+    made.size = kSize;
+    made.taken = testing::now() - ago;
+    keepVignetting(archive_, made, {}, "cam0", testing::now());
+  }
   TtfOutcome build(const std::optional<RectifyRequest>& rectify) {
     TtfRequest request;
     request.run = "latest";
@@ -112,30 +119,30 @@ TEST_F(RectifiedRun, IsRefusedWithoutAViewOfThisSizeOfPicture) {
 
 TEST_F(RectifiedRun, RefusesAViewOfLongAgoUnlessItIsToBeTaken) {
   keepView(kSize, std::chrono::hours(24 * 100));
-  EXPECT_THAT(refusal(), ::testing::HasSubstr("view 1: 100.0 days away, at most 90"));
+  EXPECT_THAT(refusal(), ::testing::HasSubstr("view 1: 100 days away, at most 90"));
   TtfRequest request;
   request.run = "latest";
   request.rectify.emplace();
   request.correction.stale = true;
   Progress progress;
-  makeTtf(archive_, request, testing::now(), progress);
-  const db::ArchiveReader reader(archive_);
-  const db::RunRow run = reader.findRun("latest");
-  FramesReport frames = ArchiveFrames(reader, run.id, {}, {}).report();
-  const auto rows = bindingsOf(reader, run.id, frames, {{1, "", "", testing::now(), false}});
-  ASSERT_EQ(rows.size(), 3u) << "one a frame";
-  EXPECT_FALSE(rows[0].within_tolerance);
-  EXPECT_EQ(rows[2].distance_time_s, -1200);
-  frames.camera = "cam1";
-  EXPECT_TRUE(bindingsOf(reader, run.id, frames, {{1, "", "", testing::now(), true}}).empty());
+  EXPECT_THAT(makeTtf(archive_, request, testing::now(), progress).calibrations,
+              ::testing::ElementsAre("view 1: 100.0 days away"));
+}
+
+TEST_F(RectifiedRun, SaysThatAFallOffOfLongAgoWasLeftOut) {
+  keepFallOff(std::chrono::hours(24 * 100));
+  const TtfOutcome outcome = build({});
+  EXPECT_TRUE(outcome.calibrations.empty());
+  ASSERT_EQ(outcome.calibrations_left.size(), 1u);
+  EXPECT_THAT(outcome.calibrations_left[0],
+              ::testing::HasSubstr("vignetting 1: 100 days away, at most 90; shoot an even"));
+  EXPECT_EQ(Facts::parse(outcome.product.metadata_json).texts("calibrations_left"),
+            outcome.calibrations_left)
+      << "and the catalogue knows";
 }
 
 TEST_F(RectifiedRun, IsFreedOfItsLensFallOffUnlessItIsToBeUncorrected) {
-  VignettingCalibration made;
-  made.fit.vignetting = {-0.5, 0, 0};
-  made.size = kSize;
-  made.taken = testing::now();
-  keepVignetting(archive_, made, {}, "cam0", testing::now());
+  keepFallOff({});
   const auto corner = [&](bool masters) {
     TtfRequest request;
     request.run = "latest";

@@ -129,6 +129,39 @@ TEST_F(SensorChainOf, ThePhotonTransferGivesTheNoiseOfTheFrames) {
   EXPECT_EQ(bindings_.size(), 1u);
 }
 
+TEST_F(SensorChainOf, ExposuresMergedHaveLessNoiseThanTheShortestAndItsScale) {
+  make("dark", 0, 0.005);
+  make("dark", 0, 0.02);
+  make("flat", 4, 0.005);
+  files_.plant(folder_ / "flats", {0.1, 0.1, 0.5, 0.5, 1.2, 1.2});
+  files_.plant(folder_ / "darks", {0, 0}, 0.02, 50);
+  Progress progress;
+  measureNoise(archive_, {.flats = folder_ / "flats", .darks = folder_ / "darks", .camera = "cam0"},
+               testing::now(), progress);
+  const db::ArchiveReader reader(archive_);
+  const Bytes brief = files_.dng(0.5, 0.005, 9000), longer = files_.dng(0.5, 0.02, 9001);
+  SensorChain chain(reader, brief, true);  // the flat is of the shorter exposure
+  calibration::CalibrationKey of_brief = key();
+  of_brief.exposure = std::chrono::milliseconds(5);
+  const std::size_t first = chain.bind(of_brief, 1), second = chain.bind(key(), 2);
+  chain.prepareToMerge();
+  const SensorChain::Merged merged = chain.merge(std::vector<SensorChain::Exposure>{
+      {first, brief, {1, 1, 1}, 0.005}, {second, longer, {1, 1, 1}, 0.02}});
+  SensorChain alone(reader, brief, true);
+  const std::size_t bound = alone.bind(of_brief, 1);
+  alone.prepare();
+  const Image<float> single = alone.apply(bound, brief, {1, 1, 1});
+  EXPECT_NEAR(merged.disagreement, 1, 0.1);
+  EXPECT_LT(spread(merged.light), 0.55 * spread(single)) << "of five times the light: 0.45";
+  double sum = 0, of_single = 0;
+  for (std::size_t i = 0; i < single.texels().size(); ++i) {
+    sum += merged.light.texels()[i];
+    of_single += single.texels()[i];
+  }
+  EXPECT_NEAR(sum / of_single, 1, 0.003);
+  EXPECT_EQ(merged.saturated, 0);
+}
+
 TEST_F(SensorChainOf, AMasterOfPicturesInColourDoesNotServeTheMosaic) {
   for (int i = 0; i < 3; ++i)
     testing::plantPng(folder_ / ("c" + std::to_string(i) + ".png"), {128, 96}, 20);

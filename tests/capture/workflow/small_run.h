@@ -52,6 +52,8 @@ struct MadeShot {
   int exposure = 0, level = 100;
   SizePx size{24, 16};
   std::vector<db::LightCheckRow> checks{};
+  std::chrono::milliseconds exposed{20};
+  Bytes dng{};  // instead of a plain PNG
 };
 struct MadeStep {
   std::vector<MadeShot> shots;
@@ -84,15 +86,16 @@ inline std::string makeRun(const std::filesystem::path& folder, const std::vecto
       shot.device_id = made.camera;
       shot.light_state = made.light;
       shot.exposure_index = made.exposure;
-      shot.exposure = std::chrono::milliseconds(20);
+      shot.exposure = made.exposed;
       shot.iso = 100;
       shot.began_utc = step.due_utc;
       shot.id = archive.armShot(shot);
       shot.state = db::ShotState::kCaptured;
-      const Bytes png = encodePng(plain(made.size, made.level).view());
+      const Bytes file =
+          made.dng.empty() ? encodePng(plain(made.size, made.level).view()) : made.dng;
       db::PendingFrame frame;
-      frame.ext = "png";
-      frame.bytes = png;
+      frame.ext = made.dng.empty() ? "png" : "dng";
+      frame.bytes = file;
       frame.size = made.size;
       frame.utc = step.due_utc;
       std::vector<db::LightCheckRow> checks = made.checks;

@@ -41,6 +41,19 @@ TEST_F(ViewFile, OfADrawnBoardStandsWhereItWasDrawnFromAndReadsBack) {
   EXPECT_EQ(back.lens.fx, 400);
 }
 
+TEST_F(ViewFile, OfABoardWithOtherSquaresIsFoundOutByARuler) {
+  request_.distance_mm = 70 * 1.05;  // as far as glass and centre may lie apart
+  EXPECT_NO_THROW(make());
+  request_.board->square_mm = 10;  // twice as large as they are
+  try {
+    make();
+    FAIL();
+  } catch (const WorkflowError& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("0.5"));
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("140 mm away"));
+  }
+}
+
 TEST_F(ViewFile, NeedsALensAndEitherABoardOrMarkers) {
   request_.lens.clear();
   EXPECT_THROW(make(), WorkflowError);

@@ -54,6 +54,15 @@ TEST(ReadMetadata, TakesMalformedTimesAsAbsent) {
   EXPECT_FALSE(said.has_utc_offset);
 }
 
+TEST(ReadMetadata, ReadsHowTheLensWasSet) {
+  const auto said = readMetadata(
+      jpegWith({{"Exif.Photo.FocalLength", "350/10"}, {"Exif.Photo.SubjectDistance", "45/100"}}));
+  EXPECT_EQ(said.focal_mm, 35);
+  EXPECT_EQ(said.focus_m, 0.45);
+  EXPECT_EQ(readMetadata(jpegWith({{"Exif.Photo.SubjectDistance", "4294967295/1"}})).focus_m, 1e6);
+  EXPECT_FALSE(readMetadata(jpegWith({})).focal_mm);
+}
+
 TEST(ReadMetadata, ReadsExposureIsoApertureAndCamera) {
   const auto said = readMetadata(jpegWith({{"Exif.Photo.ExposureTime", "1/125"},
                                            {"Exif.Photo.FNumber", "56/10"},

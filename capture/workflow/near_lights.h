@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where near lamps stand, in millimetres: from a mirror sphere of known size at two places or more,
+// or from the shading of a white or grey card that lies on the specimen's plane. Kept as JSON.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "calibration/lamps/near_light.h"
+#include "capture/workflow/lights_calibration.h"
+
+namespace patina::workflow {
+
+struct NearLightsRequest {
+  std::vector<LitPicturesRequest> places;  // of the sphere; of a card: one
+  double sphere_radius_mm = 0;             // 0: a card
+  calibration::SphereOptions sphere;
+  std::vector<RectPx> card;  // where it shows; none: all over
+  calibration::ShadingOptions shading;
+  std::string camera;  // of folders, and for the archive
+  std::string command, version;
+};
+struct PlacedLamp {
+  std::string name;
+  calibration::NearLight light;
+};
+struct NearLightsOutcome {
+  std::vector<PlacedLamp> lamps;
+  // By the archive's view: of the specimen's plane (x right, y up, z to the camera, mm). Without
+  // one, of a sphere: the camera's frame, whose origin is the camera itself.
+  bool of_plane = false;
+  db::CalibrationRow row;
+  std::string run_id;
+  std::vector<std::string> input_sha256s, notes;
+  std::vector<RunCalibration> used;
+};
+// A sphere needs the lens, the archive's or told; a card needs the archive's view of the camera,
+// and frames through no flat, which would have taken its shading out. Throws WorkflowError or
+// CalibrationError, saying what is missing.
+NearLightsOutcome makeNearLights(const std::filesystem::path& archive,
+                                 const NearLightsRequest& request, UtcTime now, Progress& progress);
+// Kind near_lights.
+KeptCalibration keepNearLights(const std::filesystem::path& archive,
+                               const NearLightsRequest& request, const NearLightsOutcome& outcome,
+                               UtcTime now);
+void writeNearLights(const std::filesystem::path& file, const NearLightsOutcome& outcome);
+
+}  // namespace patina::workflow
