@@ -37,7 +37,8 @@ void addVerbs(CommandLine& line) {
        {addPlanVerbs,      addRehearseVerb, addCaptureVerb, addDaemonVerb,   addDeviceHostVerb,
         addDevicesVerbs,   addRunVerbs,     addImportVerb,  addArchiveVerbs, addLightVerbs,
         addCalibrateVerbs, addTtfVerbs,     addFilmVerbs,   addSheetVerbs,   addRenderVerb,
-        addSynthVerbs,     addDoctorVerb,   addStbrdfVerbs, addTwinVerbs,    addAlertsVerbs})
+        addSynthVerbs,     addDoctorVerb,   addBrdfVerbs,   addStbrdfVerbs,  addTwinVerbs,
+        addAlertsVerbs})
     add(line.root());
 }
 

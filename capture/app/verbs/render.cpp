@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// patina render SCENE: meshes that wear textures, lit and seen.
+// patina render SCENE: meshes that wear textures, lit and seen. A folder is a set (render_set.h).
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "capture/app/context.h"
+#include "capture/app/verbs/render_set.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/scene/scene_pictures.h"
 #include "processing/image/encoding.h"
@@ -20,7 +21,8 @@ namespace fs = std::filesystem;
 constexpr int kStripTimes = 5;
 
 struct Options {
-  std::string in, out, strip;
+  std::string in, out, strip, light = "0,0,1";
+  bool top = false;
   std::optional<double> time;
   std::optional<SizePx> size;
   int samples = 0, frames = 0, quality_crf = 18;
@@ -41,10 +43,6 @@ void check(const Options& options) {
 }
 
 scene::SceneFile sceneOf(const Options& options) {
-  if (fs::is_directory(options.in))
-    throw AppError(Exit::kUsage, options.in +
-                                     " is a folder: sets of reflectance cannot be "
-                                     "rendered yet; a scene is a .toml file");
   scene::SceneFile file = scene::readScene(options.in);
   if (options.size) file.scene.camera.size = *options.size;
   if (options.samples > 0) file.options.samples = options.samples;
@@ -110,6 +108,11 @@ double writePicture(Context& context, const Options& options, scene::ScenePictur
 }
 
 void render(Context& context, const Options& options) {
+  if (fs::is_directory(options.in)) {
+    renderSet(context,
+              {options.in, options.light, options.out, options.time.value_or(0.5), options.top});
+    return;
+  }
   check(options);
   scene::SceneFile file = sceneOf(options);
   render::RenderOptions how = file.options;
@@ -137,10 +140,15 @@ void render(Context& context, const Options& options) {
 
 void addRenderVerb(Verb root) {
   auto o = std::make_shared<Options>();
-  root.verb("render", "A scene of meshes that wear textures, lit and seen, as a picture or a film",
+  root.verb("render",
+            "A scene of meshes that wear textures, as a picture or a film; or a BRDF set under a "
+            "light (SET --top --light 0.2,-0.24,0.95)",
             "patina render scene.toml --time 0.5 --out scene.png",
             [o](Context& context) { render(context, *o); })
-      .required("SCENE", o->in, "A scene's .toml file")
+      .required("SCENE", o->in, "A scene's .toml file, or the folder of a BRDF set")
+      .flag("--top", o->top, "A set seen from straight above")
+      .option("--light", o->light, "X,Y,Z",
+              "Of a set: direction to the light; right, up, to the camera (default: 0,0,1)")
       .option("--out", o->out, "FILE", "Where to: .png, .exr (linear) or .mp4")
       .demand("--out")
       .option(

@@ -55,7 +55,11 @@ void renderSet(Context& context, const RenderSetOptions& options) {
   if (!options.top) throw AppError(Exit::kUsage, "a set is seen from straight above: give --top");
   const brdf::Vec3 light = lightOf(options.light);
   const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(options.set);
-  const int step = brdf::nearestStep(info, options.time);
+  const double time =
+      info.times.empty()
+          ? 0
+          : info.times.front() + options.time * (info.times.back() - info.times.front());
+  const int step = brdf::nearestStep(info, time);
   const workflow::SetPicture seen = workflow::pictureOfSet(options.set, step, light);
   write(seen, options.out);
   context.out.asList();

@@ -9,9 +9,9 @@
 namespace patina::app {
 
 struct RenderSetOptions {
-  std::string set, light = "0,0,1", out;
-  double time = 0;
-  bool top = false;
+  std::string set, light, out;  // light: "x,y,z", the direction to it
+  double time = 0.5;            // share of the set's times, from the first to the last
+  bool top = false;             // the one view there is
 };
 // Throws AppError(kUsage) for what is no light or no kind of picture.
 void renderSet(Context& context, const RenderSetOptions& options);

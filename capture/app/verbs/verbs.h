@@ -17,6 +17,7 @@ void addRunVerbs(Verb root);
 void addImportVerb(Verb root);
 void addArchiveVerbs(Verb root);
 void addLightVerbs(Verb root);
+void addBrdfVerbs(Verb root);
 void addCalibrateVerbs(Verb root);
 void addTtfVerbs(Verb root);
 void addFilmVerbs(Verb root);
