@@ -28,6 +28,8 @@ class CameraUnit {
 
   const std::string& id() const { return caps_.id; }
   const devices::CameraCaps& caps() const { return caps_; }
+  // The last picture of an earlier process; before the first shot.
+  void recall(std::vector<SeenFile> files) { frames_->recall(std::move(files)); }
   RecoveryLadder& ladder() { return ladder_; }
   const RecoveryLadder& ladder() const { return ladder_; }
 

@@ -69,7 +69,16 @@ Decoded decodeDeveloped(std::span<const std::byte> file, std::optional<RectPx> p
   return d;
 }
 
+bool isRaw(std::span<const std::byte> file) {
+  const PictureFormat format = sniffFormat(file);
+  return format == PictureFormat::kDng || format == PictureFormat::kRaw;
+}
+
 }  // namespace
+
+calibration::TileLevels tilesOf(std::span<const std::byte> file, RectPx patch) {
+  return *(isRaw(file) ? decodeMosaic(file, patch) : decodeDeveloped(file, patch)).tiles;
+}
 
 const char* name(FrameFault fault) {
   switch (fault) {
@@ -136,8 +145,7 @@ void FrameCheck::checkFile(const devices::RawFrame& frame, const SeenFile& seen,
   const SizePx due = sizeOf(frame);
   Decoded d;
   try {
-    const PictureFormat format = sniffFormat(frame.bytes);
-    const bool raw = format == PictureFormat::kDng || format == PictureFormat::kRaw;
+    const bool raw = isRaw(frame.bytes);
     const auto patch = first ? patch_ : std::nullopt;
     // The size comes first: a patch measured on a picture of another size means nothing.
     const SizePx claimed = raw ? due : readPictureHeader(frame.bytes).size;

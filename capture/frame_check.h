@@ -6,7 +6,9 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calibration/light/content.h"
@@ -52,6 +54,9 @@ struct ShotCheck {
   bool all_equal = false;  // black or flat: a verdict of the light, never a refusal
 };
 
+// Of a file that was good once. Throws ProcessingError, CalibrationError.
+calibration::TileLevels tilesOf(std::span<const std::byte> file, RectPx patch);
+
 // The contract of one camera, and what its last picture was. One object a camera; no locks.
 class FrameCheck {
  public:
@@ -65,6 +70,8 @@ class FrameCheck {
   // refused, or the light or the disk kept it from being acknowledged. Known are the last picture
   // that was good and what was refused since.
   void remember(const ShotCheck& seen);
+  // The last picture of an earlier process, for remember().
+  void recall(std::vector<SeenFile> files) { known_ = std::move(files); }
 
  private:
   void checkFile(const devices::RawFrame& frame, const SeenFile& seen, ShotCheck& out) const;

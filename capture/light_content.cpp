@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/light_gate.h"
+#include "capture/recall.h"
 #include "capture/witness_drift.h"
 
 namespace patina::capture {
@@ -19,6 +20,13 @@ constexpr double kStillSoiled = 0.5;  // of what the patch was covered by
 std::string wholePercent(double share) { return std::to_string(std::lround(share * 100)) + " %"; }
 
 }  // namespace
+
+void LightGate::restorePicture(const RecalledPicture& picture) {
+  if (!picture.tiles || picture.light_state == "off" || check_.mode == LightMode::kUncontrolled)
+    return;
+  const Key key{picture.light_state, picture.camera, "tiles", picture.exposure_index};
+  calibration::takeIn(contents_[key], *picture.tiles, picture.patch, picture.utc, content_options_);
+}
 
 std::vector<LightGate::Content> LightGate::judgeContents(const LightSample& sample) {
   std::vector<Content> contents;

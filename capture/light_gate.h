@@ -20,7 +20,7 @@
 //   all of them                       the lamp: corrected within the band, held beyond it
 //   lux sensor alone                  stuck: marked `at_odds`
 //   shading of another light state    the wrong lamp is lit: held
-// Tiles are not kept: after a restart content votes again once it has learned six shots.
+// After a restart the tiles are those of the run's last frames: content votes from the first shot.
 //
 // A patch whose camera was away may be judged by what the lux sensor has followed since.
 #pragma once
@@ -42,6 +42,8 @@
 
 namespace patina::capture {
 
+struct RecalledPicture;  // recall.h
+
 class LightGate {
  public:
   LightGate(const LightCheck& check, const std::vector<devices::SensorSpec>& sensors,
@@ -50,6 +52,7 @@ class LightGate {
   // The series as the rows of an earlier process left them; in order of time, the last few of
   // each series are enough.
   void restore(std::span<const db::LightCheckRow> rows);
+  void restorePicture(const RecalledPicture& picture);  // in order of time
   // Lamps off: exempt, no rows; a sensor with an absolute band still counts.
   GateVerdict judge(const LightSample& sample);
   // The other light state whose light all patches of these rows see: "fill"; empty if none.

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "capture/forecast.h"
+#include "capture/recall.h"
 #include "capture/running_session.h"
 #include "capture/windows.h"
 
@@ -11,6 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kWholeStepsToLearnFrom = 10;  // as many as make a baseline firm
+constexpr int kStepsOfPictures = 10;        // and as a content's forecast needs, and two more
 constexpr std::size_t kRowsACommit = 10'000;
 constexpr const char* kPaused = "paused";  // the reason of what falls due in a pause
 
@@ -128,6 +130,13 @@ void Session::takeUpRows() {
   }
   std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   runner_.gate().restore(checks);
+  // Raw files take seconds to decode: no longer than the next step can wait.
+  const MonoTime until = std::max(dueMono(plan_, state_, state_.next_number),
+                                  clock_.mono() + std::min<Nanoseconds>(plan_.interval / 4, 10s));
+  runner_.recall(recallPictures(reader, run_id_, runner_.patches(), kStepsOfPictures, [&] {
+    if (hooks_.on_alive) hooks_.on_alive();
+    return !hooks_.stop.stop_requested() && clock_.mono() < until;
+  }));
 }
 
 void Session::record(const db::StepRow& row) {

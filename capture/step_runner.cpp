@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "capture/recall.h"
+
 namespace patina::capture {
 namespace {
 
@@ -42,6 +44,23 @@ StepRunner::StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive
     units_.push_back(
         std::make_unique<CameraUnit>(camera, patchOf(rig.spec, camera->caps().id), clock, bell_));
   shots_due_ = shotsAStep(plan, rig.spec);
+}
+
+std::map<std::string, RectPx> StepRunner::patches() const {
+  std::map<std::string, RectPx> patches;
+  for (const auto& patch : rig_.spec.patches) patches.emplace(patch.camera, patch.rect_px);
+  return patches;
+}
+
+void StepRunner::recall(const std::vector<RecalledPicture>& pictures) {
+  std::map<std::string, const RecalledPicture*> last;
+  for (const RecalledPicture& picture : pictures) {
+    last[picture.camera] = &picture;
+    gate_.restorePicture(picture);
+  }
+  for (const auto& unit : units_)
+    if (const auto found = last.find(unit->id()); found != last.end())
+      unit->recall(found->second->files);
 }
 
 std::int64_t StepRunner::bytesAStep() const {

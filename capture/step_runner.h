@@ -32,12 +32,17 @@
 
 namespace patina::capture {
 
+struct RecalledPicture;  // recall.h
+
 class StepRunner {
  public:
   StepRunner(const Plan& plan, devices::Rig& rig, db::Archive& archive, devices::Clock& clock,
              const std::string& run_id, const SessionHooks& hooks);
 
   LightGate& gate() { return gate_; }
+  // What an earlier process saw last, oldest first; before the first step.
+  void recall(const std::vector<RecalledPicture>& pictures);
+  std::map<std::string, RectPx> patches() const;  // by camera
   EventLog& log() { return log_; }
   Alerts& alerts() { return alerts_; }
   const std::string& lightSummary() const { return light_summary_; }

@@ -49,6 +49,21 @@ struct Bench {
   std::vector<devices::RawFrame> kept;
 };
 
+TEST(FrameCheck, KnowsThePictureOfAnEarlierProcessAgain) {
+  Bench b;
+  b.kept = {b.jpeg()};
+  FrameCheck fresh(b.caps, {});
+  EXPECT_EQ(fresh.check(b.kept, b.ticket, true).fault, FrameFault::kNone);
+  fresh.recall({{0, sha256(b.kept[0].bytes), true}});
+  EXPECT_EQ(fresh.check(b.kept, b.ticket, true).fault, FrameFault::kDuplicate);
+}
+
+TEST(TilesOf, AFileAreThoseThatItsCheckMeasures) {
+  Bench b;
+  const ShotCheck c = b.check({b.jpeg()});
+  EXPECT_EQ(tilesOf(b.kept[0].bytes, {0, 0, 16, 16}).level, c.tiles->level);
+}
+
 TEST(FrameCheck, PassesAGoodPictureAndMeasuresItsPatch) {
   Bench b;
   const ShotCheck c = b.check({b.jpeg()});

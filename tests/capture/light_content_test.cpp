@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
+#include "capture/recall.h"
 #include "processing/image/random.h"
 #include "tests/capture/light_room.h"
 
@@ -59,6 +60,26 @@ TEST(LightByContent, StaysWithASoiledPatchUntilItIsClean) {
   const GateVerdict v = studio.shoot();
   EXPECT_EQ(verdictOf(v, "patch:cam0"), "pass");
   EXPECT_THAT(v.reason, IsEmpty());
+}
+
+TEST(LightByContent, VotesFromTheFirstShotAfterARestart) {
+  Studio studio, restarted;
+  std::vector<db::LightCheckRow> rows;
+  for (int i = 0; i < 12; ++i) {
+    const LightSample sample = studio.sample();
+    const GateVerdict v = studio.gate.judge(sample);
+    rows.insert(rows.end(), v.rows.begin(), v.rows.end());
+    RecalledPicture picture;
+    picture.camera = "cam0";
+    picture.light_state = studio.state;
+    picture.utc = sample.utc;
+    picture.tiles = sample.contents[0].tiles;
+    if (i >= 2) restarted.gate.restorePicture(picture);
+  }
+  restarted.gate.restore(rows);
+  restarted.shots = studio.shots;
+  restarted.shadow = 0.3;
+  EXPECT_EQ(verdictOf(restarted.shoot(), "content:cam0"), "at_odds");
 }
 
 TEST(LightByContent, HoldsALampThatPatchAndPictureSee) {

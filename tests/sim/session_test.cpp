@@ -114,6 +114,22 @@ TEST(Session, KnowsTheLightItHadBeforeARestart) {
   sim.expectWhole();
 }
 
+TEST(Session, AsksThePictureAboutItsLightFromTheFirstShotAfterARestart) {
+  Simulation sim({.duration = "3h"});
+  std::stop_source stop;
+  sim.clock.at(sim.clock.mono() + 105min, [&] { stop.request_stop(); });
+  sim.run([&](capture::SessionHooks& hooks) { hooks.stop = stop.get_token(); });
+  sim.run();
+  const auto step = sim.reader().step(sim.run_id, 11);
+  ASSERT_TRUE(step);
+  int votes = 0;
+  for (const db::ShotRow& shot : sim.reader().shotsOfStep(step->id))
+    for (const db::LightCheckRow& check : sim.reader().lightChecksOfShot(shot.id))
+      votes += check.source == "content:cam0" ? 1 : 0;
+  EXPECT_EQ(votes, 1);
+  sim.expectWhole();
+}
+
 TEST(Session, RecordsWhatASuspendMissedWithoutABurst) {
   Simulation sim({});
   sim.clock.at(sim.clock.mono() + 25min, [&] { sim.clock.suspend(44min); });
