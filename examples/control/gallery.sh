@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# gallery.sh [FOLDER]   The films of docs/gallery/control from the twin's specimens, by ordinary commands. About three minutes
+# gallery.sh [FOLDER]   The films of docs/gallery/control from the twin's specimens, by ordinary commands. About 80 s
 # of processor time; what lies between stays in FOLDER (default out/control).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
