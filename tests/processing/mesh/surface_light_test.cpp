@@ -73,8 +73,16 @@ TEST_F(BallOnAPlane, HasAPenumbraAsWideAsTheSunSays) {
   const std::vector<Lamp> sun = spreadOf({true, {0, 0, 1}}, {10, 256});
   // The ball's rim stands 5 mm above the ground: half seen below it, all of it 5 tan(10) further.
   EXPECT_NEAR(shadowAt(scene_, onGround(5, 0), sun), 0.5, 0.1);
+  EXPECT_LT(shadowAt(scene_, onGround(5.6f, 0), sun), 0.99f);
+  EXPECT_GT(shadowAt(scene_, onGround(4.4f, 0), sun), 0.01f);
   EXPECT_EQ(shadowAt(scene_, onGround(6.2f, 0), sun), 1);
   EXPECT_EQ(shadowAt(scene_, onGround(3.9f, 0), sun), 0);
+}
+
+TEST_F(BallOnAPlane, IsInNoOnesLightBehindTheLamp) {
+  const SurfacePoint left = onGround(-12, 0);
+  EXPECT_EQ(shadowAt(scene_, left, {{false, {12, 0, 8}}}), 0);  // beyond the ball
+  EXPECT_EQ(shadowAt(scene_, left, {{false, {-6, 0, 2}}}), 1);  // before it, on the same line
 }
 
 // A ball of radius R hides of the cosine-weighted sky, from the ground at distance d of its foot,
