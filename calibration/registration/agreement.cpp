@@ -70,6 +70,9 @@ struct BlockSums {
   Slope fine, coarse;                           // of log light
   double light = 0;                             // frame over reference, log
   double xx = 0, xy = 0, yy = 0, x = 0, y = 0;  // of a step of Gauss-Newton
+  // Its matrix once more, by gradients of the reference times those of the frame: noise is in both
+  // but not the same in both, so what is left is structure.
+  double sxx = 0, sxy = 0, syy = 0;
 
   double zncc() const { return rf / std::sqrt(std::max(rr * ff, 1e-20)); }
   bool isOff() const { return off > kOffShare * pixels; }
@@ -128,6 +131,7 @@ BlockSums sumsOf(const PictureLevel& reference, const Laid& laid, const RectPx& 
   for (int y = std::max(1, block.y); y < std::min(block.y + block.height, local.height - 1); ++y) {
     const float *r = local.row(y), *up = local.row(y - 1), *down = local.row(y + 1);
     const auto *f = laid.local.ptr<float>(y), *l = laid.light.ptr<float>(y);
+    const auto *f_up = laid.local.ptr<float>(y - 1), *f_down = laid.local.ptr<float>(y + 1);
     const auto* inside = laid.inside.ptr<std::uint8_t>(y);
     for (int x = std::max(1, block.x); x < std::min(block.x + block.width, local.width - 1); ++x) {
       if (!inside[x] || (!reference.usable.empty() && !reference.usable.at(x, y))) continue;
@@ -140,6 +144,8 @@ BlockSums sumsOf(const PictureLevel& reference, const Laid& laid, const RectPx& 
       if (std::abs(lighter - overall) > kOff) ++s.off;
       s.xx += gx * gx, s.xy += gx * gy, s.yy += gy * gy;
       s.x += gx * (seen - own), s.y += gy * (seen - own);
+      const double fx = 0.5 * (f[x + 1] - f[x - 1]), fy = 0.5 * (f_down[x] - f_up[x]);
+      s.sxx += gx * fx, s.sxy += 0.5 * (gx * fy + gy * fx), s.syy += gy * fy;
     }
   }
   addContrast(reference, laid, block, s);
@@ -161,13 +167,13 @@ std::vector<BlockSums> blockSumsOf(const PreparedPicture& reference, const Prepa
   return sums;
 }
 
-// H^-1 (sum of b b^T over blocks) H^-1, H the sum of theirs.
+// H^-1 (sum of b b^T over blocks) H^-1, H the sum of their structure.
 double uncertaintyOf(const std::vector<BlockSums>& sums, const Image<BlockState>& states) {
   double xx = 0, xy = 0, yy = 0, bxx = 0, bxy = 0, byy = 0;
   for (std::size_t k = 0; k < sums.size(); ++k) {
     if (states.texels()[k] != BlockState::kAgrees) continue;
     const BlockSums& s = sums[k];
-    xx += s.xx, xy += s.xy, yy += s.yy;
+    xx += s.sxx, xy += s.sxy, yy += s.syy;
     bxx += s.x * s.x, bxy += s.x * s.y, byy += s.y * s.y;
   }
   const double determinant = xx * yy - xy * xy;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/registration/feature_start.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
@@ -12,7 +15,9 @@
 namespace patina::calibration {
 namespace {
 
-constexpr int kFeatures = 2000, kFeatureSidePx = 1100, kPhaseSidePx = 512;
+// Features are dear: those of a small picture first, of a larger one where they say nothing.
+constexpr std::array<int, 2> kFeatureSides_px{550, 1100};
+constexpr int kFeatures = 2000, kPhaseSidePx = 512;
 constexpr std::size_t kLeastMatches = 10;
 constexpr float kClearlyBetter = 0.8f;
 constexpr double kInlierPx = 3;
@@ -104,19 +109,31 @@ std::optional<Motion> fit(const Matches& matches, MotionModel model, SizePx size
   return model == MotionModel::kEuclidean ? withoutScale(motion, size) : motion;
 }
 
+std::optional<Motion> startAtLevel(const PreparedPicture& reference, const PreparedPicture& frame,
+                                   MotionModel model, int level) {
+  const auto at = static_cast<std::size_t>(level);
+  Features own, seen;
+  tbb::parallel_invoke([&] { own = featuresOf(reference.levels[at]); },
+                       [&] { seen = featuresOf(frame.levels[at]); });
+  const SizePx size = reference.levels[at].size();
+  const std::optional<Motion> coarse = fit(matchesOf(own, seen), model, size);
+  if (!coarse || !isPlausible(*coarse, size)) return std::nullopt;
+  return fromLevel(*coarse, level);
+}
+
 }  // namespace
 
 std::optional<Motion> startByFeatures(const PreparedPicture& reference,
                                       const PreparedPicture& frame, MotionModel model) {
-  const int level =
-      std::max(levelWithin(reference, kFeatureSidePx), levelWithin(frame, kFeatureSidePx));
-  const auto at = static_cast<std::size_t>(level);
-  if (at >= std::min(reference.levels.size(), frame.levels.size())) return std::nullopt;
-  const SizePx size = reference.levels[at].size();
-  const std::optional<Motion> coarse =
-      fit(matchesOf(featuresOf(reference.levels[at]), featuresOf(frame.levels[at])), model, size);
-  if (!coarse || !isPlausible(*coarse, size)) return std::nullopt;
-  return fromLevel(*coarse, level);
+  const int levels = static_cast<int>(std::min(reference.levels.size(), frame.levels.size()));
+  int tried = levels;
+  for (const int side : kFeatureSides_px) {
+    const int level = std::max(levelWithin(reference, side), levelWithin(frame, side));
+    if (level >= tried) continue;
+    tried = level;
+    if (const auto start = startAtLevel(reference, frame, model, level)) return start;
+  }
+  return std::nullopt;
 }
 
 Motion startByPhase(const PreparedPicture& reference, const PreparedPicture& frame) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kOutlier = 0.5f;  // residual of a pixel that counts half, in spreads
 constexpr int kTranslationSteps = 12, kEccSteps = 60;
-constexpr double kTranslationDone_px = 0.004, kEccDone = 1e-5;
+constexpr double kTranslationDone_px = 0.004, kEccDone = 1e-4;
 
 // H (xx, xy, yy), the right side (x, y), the weight: sums of one row or of all.
 using Sums = std::array<double, 6>;

@@ -2,7 +2,9 @@
 #include "calibration/registration/registration.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "calibration/failure.h"
@@ -133,6 +135,41 @@ void AlignOptions::check() const {
 const char* name(Verdict verdict) {
   constexpr const char* kNames[] = {"good", "spot", "blurred", "fogged", "covered", "lost"};
   return kNames[static_cast<int>(verdict)];
+}
+
+std::string reasonOf(Verdict verdict, const Agreement& a, const AlignOptions& options) {
+  const auto said = [](const char* format, double is, double wanted) {
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(), format, is, wanted);
+    return std::string(text.data());
+  };
+  switch (verdict) {
+    case Verdict::kGood:
+      return "";
+    case Verdict::kSpot:
+      return said("%.1f %% is something that was not there", 100 * a.covered, 0);
+    case Verdict::kBlurred:
+      return said("fine contrast is %.2f of the coarse, wanted %.2f",
+                  a.contrast_fine / std::max(a.contrast_coarse, 1e-6), options.least_sharpness);
+    case Verdict::kFogged:
+      return said("contrast is %.2f of the reference's, wanted %.2f", a.contrast_coarse,
+                  options.least_contrast);
+    case Verdict::kCovered:
+      return said("%.1f %% in one piece is something else, allowed %.1f %%", 100 * a.covered,
+                  100 * options.most_covered);
+    case Verdict::kLost:
+      break;
+  }
+  if (a.judged_blocks == 0) return "nothing of the reference is seen";
+  if (a.share < options.least_share)
+    return said(
+        "only %.0f %% of the blocks agree, wanted %.0f %%: hold on to what does not change, "
+        "by fiducials",
+        100 * a.share, 100 * options.least_share);
+  if (a.zncc < kLeastZncc)
+    return said("hardly alike: correlation %.2f, wanted %.2f", a.zncc, kLeastZncc);
+  return said("too little structure: %.2f px expected, wanted %.2f px", a.uncertainty_px,
+              options.most_uncertain_px);
 }
 
 bool isTrusted(Verdict verdict) { return verdict == Verdict::kGood || verdict == Verdict::kSpot; }

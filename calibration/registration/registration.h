@@ -7,6 +7,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "calibration/registration/agreement.h"
 #include "calibration/registration/motion.h"
@@ -53,7 +54,7 @@ struct Alignment {
 
 // A reference is prepared once for many frames. Its mask says what may be held on to.
 // Translation from a good start: 75 ms of CPU for 1024x1024, on all cores, the frame's preparation
-// included; other models 0.5 s and more (tests/bench/registration_bench.cpp). Multi-threaded; the
+// included; other models 0.4 s and more (tests/bench/registration_bench.cpp). Multi-threaded; the
 // same answer for any number of threads. Throws CalibrationError for what cannot be registered at
 // all (preparePicture); never for a frame that does not agree.
 Alignment align(ImageView<const float> frame, const PreparedPicture& reference,
@@ -63,6 +64,9 @@ Alignment align(const PreparedPicture& frame, const PreparedPicture& reference,
                 const AlignOptions& options, Progress& progress);
 
 Verdict verdictOf(const Agreement& agreement, const AlignOptions& options);
+// Why it is not good, with numbers and what is wanted: "too little structure: 0.71 px expected,
+// wanted 0.50 px". Empty for kGood.
+std::string reasonOf(Verdict verdict, const Agreement& agreement, const AlignOptions& options);
 
 // The reference's mask as the frame has it.
 Image<std::uint8_t> maskInFrame(const PreparedPicture& reference, const Motion& motion,

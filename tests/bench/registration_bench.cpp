@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Registration beside OpenCV's own calls on the same pictures: 1024x1024, moved by (3.3, -2.2) px,
 // the last frame's pose (3, -2) known. All in float, one channel in, the frame's preparation
-// counted, the reference's not.
+// counted, the reference's not. CPU time is that of all threads.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -65,12 +65,20 @@ void BM_Register(benchmark::State& state, MotionModel model, bool from_nothing) 
   tell(state, found.frame_from_reference);
 }
 BENCHMARK_CAPTURE(BM_Register, translation, MotionModel::kTranslation, false)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_Register, euclidean, MotionModel::kEuclidean, false)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_Register, homography, MotionModel::kHomography, false)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_Register, sift_start_homography, MotionModel::kHomography, true)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
 void BM_RegisterByOpenCvEcc(benchmark::State& state, int model) {
@@ -87,8 +95,12 @@ void BM_RegisterByOpenCvEcc(benchmark::State& state, int model) {
   tell(state, found);
 }
 BENCHMARK_CAPTURE(BM_RegisterByOpenCvEcc, translation, cv::MOTION_TRANSLATION)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_RegisterByOpenCvEcc, homography, cv::MOTION_HOMOGRAPHY)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
 void BM_RegisterByOpenCvPhaseCorrelation(benchmark::State& state) {
@@ -97,7 +109,10 @@ void BM_RegisterByOpenCvPhaseCorrelation(benchmark::State& state) {
     found = cv::phaseCorrelate(asMat(pair().still.view()), asMat(pair().frame.view()));
   tell(state, shift(found.x, found.y));
 }
-BENCHMARK(BM_RegisterByOpenCvPhaseCorrelation)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_RegisterByOpenCvPhaseCorrelation)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 void BM_Deformation(benchmark::State& state) {
   const PreparedPicture reference = preparePicture(pair().still.view()),
@@ -106,7 +121,7 @@ void BM_Deformation(benchmark::State& state) {
   for (auto _ : state)
     benchmark::DoNotOptimize(findDeformation(reference, frame, shift(3, -2), {}, progress));
 }
-BENCHMARK(BM_Deformation)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Deformation)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace patina::calibration
