@@ -42,9 +42,7 @@ float squaredDifferencePlain(const float* a, const float* b, int count) {
 }
 #if defined(__x86_64__)
 // The same additions, eight at a time.
-[[gnu::target("avx2"), gnu::optimize("O3")]] float squaredDifferenceAvx2(const float* a,
-                                                                         const float* b,
-                                                                         int count) {
+[[gnu::target("avx2")]] float squaredDifferenceAvx2(const float* a, const float* b, int count) {
   return squaredDifferenceInLanes(a, b, count);
 }
 const SquaredDifference squaredDifference =
