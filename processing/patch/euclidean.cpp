@@ -71,7 +71,8 @@ CompactFeatures compactFeatures(ImageView<const float> features, int components,
       const auto texel = features.texel(static_cast<int>((first + i) % features.width),
                                         static_cast<int>((first + i) / features.width));
       for (std::int64_t c = 0; c < n; ++c)
-        to[static_cast<std::size_t>(c * count + i)] = texel[static_cast<std::size_t>(c)];
+        to[static_cast<std::size_t>(c) * static_cast<std::size_t>(count) +
+           static_cast<std::size_t>(i)] = texel[static_cast<std::size_t>(c)];
     }
   };
   const decomposition::TemporalSvd svd = decomposition::temporalSvd(m, n, block, options, progress);
@@ -91,7 +92,7 @@ CompactFeatures compactFeatures(ImageView<const float> features, int components,
   out.texels = Image<std::int16_t>(features.width, features.height, components);
   for (std::int64_t i = 0; i < m; ++i)
     for (std::size_t k = 0; k < rank; ++k)
-      out.texels.texels()[static_cast<std::size_t>(i * components) + k] =
+      out.texels.texels()[static_cast<std::size_t>(i) * static_cast<std::size_t>(components) + k] =
           static_cast<std::int16_t>(std::lrint(
               out.scale * static_cast<double>(svd.scores[static_cast<std::size_t>(i) * rank + k])));
   return out;

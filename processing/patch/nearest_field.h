@@ -92,6 +92,10 @@ class NearestField {
            static_cast<std::ptrdiff_t>(centre / source_.width - reach_) * source_.row_stride +
            static_cast<std::ptrdiff_t>(centre % source_.width - reach_) * source_.channels;
   }
+  std::size_t indexOf(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(target_size_.width) +
+           static_cast<std::size_t>(x);
+  }
   void voteTexel(int x, int y);
   void padTarget();
 

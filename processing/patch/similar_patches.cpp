@@ -55,7 +55,8 @@ class Tree {
     keys_.resize(static_cast<std::size_t>(f.width) * static_cast<std::size_t>(f.height));
     tbb::parallel_for(reach, f.height - reach, [&](int y) {
       for (int x = reach; x < f.width - reach; ++x)
-        keys_[static_cast<std::size_t>(y * width_ + x)] = keyOf(f, x, y, reach);
+        keys_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+              static_cast<std::size_t>(x)] = keyOf(f, x, y, reach);
     });
     for (int y = reach; y < f.height - reach; ++y)
       for (int x = reach; x < f.width - reach; ++x) patches_.push_back(y * width_ + x);
@@ -156,6 +157,7 @@ SimilarPatches::SimilarPatches(ImageView<const std::int16_t> features, int patch
   PATINA_CHECK(options.count >= 1 && options.count <= 16 && features.width >= patch &&
                features.height >= patch);
   const int reach = patch / 2, width = features.width;
+  const auto most = static_cast<std::size_t>(count_);
   similar_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(features.height) *
                       static_cast<std::size_t>(count_),
                   -1);
@@ -165,23 +167,22 @@ SimilarPatches::SimilarPatches(ImageView<const std::int16_t> features, int patch
   tbb::parallel_for(reach, features.height - reach, [&](int y) {
     for (int x = reach; x < width - reach; ++x) {
       std::array<Found, 16> best;
-      int found = 0;
+      std::size_t found = 0;
       tree.nearest(y * width + x, options.leaves, [&](std::int32_t other) {
         const int ox = other % width, oy = other / width;
         if (std::abs(ox - x) < options.apart && std::abs(oy - y) < options.apart) return;
-        const std::int32_t bound =
-            found < count_ ? INT_MAX : best[static_cast<std::size_t>(found - 1)].distance;
+        const std::int32_t bound = found < most ? INT_MAX : best[found - 1].distance;
         const std::int32_t d =
             distance(corner(x, y), corner(ox, oy), features.row_stride, features.row_stride, bound);
         if (d >= bound) return;
-        int at = found < count_ ? found++ : found - 1;
-        for (; at > 0 && best[static_cast<std::size_t>(at - 1)].distance > d; --at)
-          best[static_cast<std::size_t>(at)] = best[static_cast<std::size_t>(at - 1)];
-        best[static_cast<std::size_t>(at)] = {d, other};
+        std::size_t at = found < most ? found++ : found - 1;
+        for (; at > 0 && best[at - 1].distance > d; --at) best[at] = best[at - 1];
+        best[at] = {d, other};
       });
-      for (int i = 0; i < found; ++i)
-        similar_[static_cast<std::size_t>((y * width + x) * count_ + i)] =
-            best[static_cast<std::size_t>(i)].patch;
+      std::int32_t* to = &similar_[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                    static_cast<std::size_t>(x)) *
+                                   most];
+      for (std::size_t i = 0; i < found; ++i) to[i] = best[i].patch;
     }
   });
 }

@@ -139,8 +139,10 @@ bool BoundedFit::bound(double* c) const {
     std::copy(c0.begin(), c0.end(), c);
     for (std::size_t i = 0; i < active.size(); ++i)
       for (int k = 0; k < terms_; ++k)
-        c[k] -= active[i].sign * multipliers[i] *
-                influence_[static_cast<std::size_t>(active[i].time * terms_ + k)];
+        c[k] -=
+            active[i].sign * multipliers[i] *
+            influence_[static_cast<std::size_t>(active[i].time) * static_cast<std::size_t>(terms_) +
+                       static_cast<std::size_t>(k)];
     next = worst(c);
   }
   shrinkInto(c);

@@ -121,8 +121,7 @@ void changePlain(const double* inverse, int terms, float* sums) {
 [[gnu::target("avx2")]] void changeAvx2(const double* inverse, int terms, float* sums) {
   changeBasis(inverse, terms, sums);
 }
-[[gnu::target("avx512f,prefer-vector-width=512")]] void changeAvx512(const double* inverse,
-                                                                     int terms, float* sums) {
+[[gnu::target("avx512f")]] void changeAvx512(const double* inverse, int terms, float* sums) {
   changeBasis(inverse, terms, sums);
 }
 
@@ -190,28 +189,29 @@ void residualRms(const TimeFit& fit, Basis basis, std::span<const float* const> 
   }
   constexpr std::size_t kGrain = 4096;
   const std::size_t blocks = (rms.size() + kBlock - 1) / kBlock;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, kGrain / kBlock),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t block = range.begin(); block != range.end(); ++block) {
-                        const std::size_t at = block * kBlock,
-                                          width = std::min(kBlock, rms.size() - at);
-                        double sum[kBlock] = {};
-                        for (int t = 0; t < steps; ++t) {
-                          double p[kBlock] = {};
-                          for (int k = 0; k < terms; ++k) {
-                            const double b = values[static_cast<std::size_t>(t * terms + k)];
-                            const float* c = coefficients[static_cast<std::size_t>(k)] + at;
-                            for (std::size_t i = 0; i < width; ++i) p[i] += b * c[i];
-                          }
-                          const float* y = samples[static_cast<std::size_t>(t)] + at;
-                          const double w = fit.weights()[static_cast<std::size_t>(t)];
-                          for (std::size_t i = 0; i < width; ++i)
-                            sum[i] += w * (y[i] - p[i]) * (y[i] - p[i]);
-                        }
-                        for (std::size_t i = 0; i < width; ++i)
-                          rms[at + i] = static_cast<float>(std::sqrt(sum[i] / weight_sum));
-                      }
-                    });
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, blocks, kGrain / kBlock),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t block = range.begin(); block != range.end(); ++block) {
+          const std::size_t at = block * kBlock, width = std::min(kBlock, rms.size() - at);
+          double sum[kBlock] = {};
+          for (int t = 0; t < steps; ++t) {
+            double p[kBlock] = {};
+            for (int k = 0; k < terms; ++k) {
+              const double b =
+                  values[static_cast<std::size_t>(t) * static_cast<std::size_t>(terms) +
+                         static_cast<std::size_t>(k)];
+              const float* c = coefficients[static_cast<std::size_t>(k)] + at;
+              for (std::size_t i = 0; i < width; ++i) p[i] += b * c[i];
+            }
+            const float* y = samples[static_cast<std::size_t>(t)] + at;
+            const double w = fit.weights()[static_cast<std::size_t>(t)];
+            for (std::size_t i = 0; i < width; ++i) sum[i] += w * (y[i] - p[i]) * (y[i] - p[i]);
+          }
+          for (std::size_t i = 0; i < width; ++i)
+            rms[at + i] = static_cast<float>(std::sqrt(sum[i] / weight_sum));
+        }
+      });
 }
 
 }  // namespace patina::stbrdf
