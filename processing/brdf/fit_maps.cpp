@@ -70,7 +70,7 @@ Valley valleyOf(const Curve& curve) {
   int least = 2;
   for (int j = 2; j + 2 < kCurve; ++j)
     if (curve[static_cast<std::size_t>(j)] < curve[static_cast<std::size_t>(least)]) least = j;
-  const auto at = [&](int j) { return curve[static_cast<std::size_t>(least + j)]; };
+  const auto at = [&](int j) { return curve.data()[least + j]; };
   const float odd1 = at(1) - at(-1), odd2 = at(2) - at(-2);
   const float even1 = at(1) + at(-1) - 2 * at(0), even2 = at(2) + at(-2) - 2 * at(0);
   const float c1 = (8 * odd1 - odd2) / 12, c2 = (16 * even1 - even2) / 24,

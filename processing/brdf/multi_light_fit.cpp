@@ -111,6 +111,9 @@ class Fitter {
   FitState& state() { return state_; }
 
   void firstPass(Progress& progress) {
+    // The passes after this one are rounds too.
+    MultiLightOptions first = options_;
+    if (options_.neighbours) first.rounds = std::max(1, options_.rounds - 1);
     progress.begin("reflectance", state_.size.height);
     forEachTile(
         [&](Tile& tile, int x0, int y) {
@@ -121,7 +124,7 @@ class Fitter {
           Equations q;
           if (glossy()) {
             lanes::scanRoughness(options_.model, tile.lanes(), at, prior);
-            lanes::refine(options_, tile.lanes(), at, prior, q);
+            lanes::refine(first, tile.lanes(), at, prior, q);
           } else {
             matt(tile.lanes(), at, q);
           }

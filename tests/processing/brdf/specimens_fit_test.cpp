@@ -12,7 +12,7 @@
 namespace patina::brdf {
 namespace {
 
-constexpr int kSize = 96;
+constexpr int kSize = 128;
 constexpr double kFullWell = 30000, kReadNoise = 3, kLevelPerWell = 0.5 / 0.45;  // white: 1
 
 struct Score {
