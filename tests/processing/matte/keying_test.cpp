@@ -29,12 +29,13 @@ class Keying : public ::testing::TestWithParam<bool> {
   }
 };
 
-TEST_P(Keying, TellsABallWithBlackPatchesFromItsShadow) {
+TEST_P(Keying, TellsABallWithDarkPatchesFromItsShadow) {
   const BallPhoto ball;
   const Keyed keyed = keyOut(std::as_const(ball.photo).view(), backgroundOf(ball));
   EXPECT_LT(rms(keyed.mask, ball.mask), 0.03);
   EXPECT_LT(rms(keyed.shadow, ball.shadow, &ball.mask), 0.02);
   EXPECT_NEAR(keyed.object_share, M_PI * 34 * 34 / (240 * 180), 0.001);
+  EXPECT_EQ(keyed.mask.at(147, 74), 1);  // in one of the ground's hue
   EXPECT_EQ(keyed.mask.at(122, 84), 1);  // in a black patch
   EXPECT_EQ(keyed.mask.at(60, 112), 0);  // in the shadow
   EXPECT_NEAR(keyed.shadow.at(75, 112), 0.3, 0.02);
