@@ -14,8 +14,12 @@ namespace {
 constexpr int kSamplesAcross = 32;   // of a tile, either way
 constexpr double kToSigma = 1.2533;  // from a mean absolute deviation, were it normal
 constexpr float kLeastDeviation = 0.002f;
-constexpr double kLeastRms = 0.01;   // of tiles, relative: less is noise
-constexpr double kForgotten = 0.97;  // of what is usual, with every shot
+constexpr double kLeastRms = 0.01;                       // of tiles, relative: less is noise
+constexpr double kForgotten = 0.97;                      // of what is usual, with every shot
+constexpr double kPaceWeight = 0.6, kTrendWeight = 0.3;  // of the specimen's common pace
+constexpr double kSudden = 0.02;                         // beyond this a pace is a shock ...
+constexpr double kQuickening = 3;    // ... but for so many times what the last shot was off by
+constexpr double kOfTheTiles = 0.2;  // of the tiles' own usual change, their median may be off by
 constexpr float kMostSurprise = 4;   // deviations that one shot may add to a tile's own
 
 struct Grid {
@@ -166,8 +170,9 @@ ContentJudgement judgeContent(const ContentSeries& series, const TileLevels& til
   const auto common = commonOf(innovations);
   if (!common) return j;
   j.known = true;
-  j.common = std::expm1(*common - series.common_bias);
-  j.common_noise = std::max(o.common_noise, kToSigma * series.common_deviation);
+  j.common = std::expm1(*common - series.common_bias - series.common_trend);
+  j.common_noise = std::max(
+      {o.common_noise, kToSigma * series.common_deviation, kOfTheTiles * series.usual_rms});
   std::vector<float> moved;
   for (std::size_t i = 0; i < tiles.level.size(); ++i) {
     if (!innovations[i]) continue;
@@ -201,7 +206,7 @@ void lookAnew(ContentSeries& series, const TileLevels& tiles) {
   std::fill(series.strays.begin(), series.strays.end(), static_cast<unsigned char>(0));
 }
 
-// A visitor is not the specimen, unless it stays. Answers whether the tile just went elsewhere.
+// A visitor is not the specimen, unless it stays. Answers whether the tile is elsewhere.
 bool takeTile(ContentSeries& series, std::size_t i, double innovation, double common, double share,
               const ContentOptions& o) {
   const bool elsewhere = isElsewhere(series, i, innovation - common, o);
@@ -214,9 +219,23 @@ bool takeTile(ContentSeries& series, std::size_t i, double innovation, double co
   const bool stays = strays >= o.patience;
   const double change = stays ? innovation : o.weight * (elsewhere ? common : innovation);
   series.forecast[i] += static_cast<float>(change);
-  const bool just = strays == 1;
   if (stays) strays = 0;
-  return just;
+  return elsewhere;
+}
+
+// What goes on as it began is ageing that quickens; a shock comes at once: it moves the pace by as
+// much as one shot of ageing may, and is no trend.
+void takePace(ContentSeries& series, double pace, double share) {
+  const double foretold = series.common_bias + series.common_trend;
+  const double most = std::max(kSudden, 4 * series.common_deviation);
+  const bool goes_on = series.last_apart * (pace - foretold) > 0 &&
+                       std::abs(pace - foretold) < kQuickening * std::abs(series.last_apart);
+  const bool shock = !goes_on && std::abs(pace - foretold) > most;
+  series.last_apart = pace - foretold;
+  const double apart = shock ? std::clamp(pace - foretold, -most, most) : pace - foretold;
+  series.common_bias = foretold + kPaceWeight * apart;
+  series.common_trend = shock ? 0 : series.common_trend + kTrendWeight * kPaceWeight * apart;
+  series.common_deviation += share * (std::abs(apart) - series.common_deviation);
 }
 
 }  // namespace
@@ -233,10 +252,7 @@ void takeIn(ContentSeries& series, const TileLevels& tiles, double patch, UtcTim
     const Innovations innovations = innovationsOf(series, tiles, o);
     const double common = commonOf(innovations).value_or(0);
     const double share = std::max(0.05, 1.0 / ++series.samples);
-    const double most = 4 * std::max(series.common_deviation, o.common_noise);
-    const double apart = std::clamp(common - std::log1p(patch) - series.common_bias, -most, most);
-    series.common_bias += share * apart;
-    series.common_deviation += share * (std::abs(apart) - series.common_deviation);
+    takePace(series, common - std::log1p(patch), share);
     series.last_rms = rmsOf(innovations, common);
     series.usual_rms +=
         share *
@@ -251,7 +267,7 @@ void takeIn(ContentSeries& series, const TileLevels& tiles, double patch, UtcTim
     }
     const double now = static_cast<double>(moved) / static_cast<double>(tiles.level.size());
     series.usual_share = std::max(kForgotten * series.usual_share,
-                                  std::min(now, 2 * series.usual_share + o.moved_share / 3));
+                                  std::min(now, 1.5 * series.usual_share + o.moved_share / 5));
     if (gap_s > 0)
       series.usual_gap_s =
           series.usual_gap_s > 0 ? series.usual_gap_s + 0.1 * (gap_s - series.usual_gap_s) : gap_s;

@@ -5,6 +5,8 @@
 // Of a tile: an exponentially weighted mean of the logarithm of its level, and the mean absolute
 // deviation of what came from it. Of the picture: the median of all tiles' innovations is what is
 // common to them, the light; tiles that went elsewhere are a shadow, a visitor, or the specimen.
+// A specimen that ages goes on as it did: its common pace has a forecast of its own (Holt's level
+// and trend), and what is sudden stands out from that; so do more tiles elsewhere than lately.
 #pragma once
 
 #include <optional>
@@ -50,9 +52,11 @@ struct ContentSeries {
   std::vector<float> forecast;         // log level
   std::vector<float> deviation;        // mean absolute, of innovations less what is common
   std::vector<unsigned char> strays;   // shots in a row that a tile was elsewhere
-  double common_bias = 0;              // mean of what is common less the patch's innovation
-  double common_deviation = 0;         // mean absolute, from that
-  double usual_share = 0;              // of tiles that go elsewhere; rises at once, falls slowly
+  double common_bias = 0;              // what is common less the patch's innovation: the pace of
+  double common_trend = 0;             // the specimen, and its change from shot to shot (Holt)
+  double common_deviation = 0;         // mean absolute, from what these two foretold
+  double last_apart = 0;               // the last shot's
+  double usual_share = 0;              // of tiles that are elsewhere; rises by half, falls slowly
   double usual_rms = 0, last_rms = 0;  // of the tiles' innovations less what is common
   double usual_gap_s = 0;
   std::optional<UtcTime> last_utc;

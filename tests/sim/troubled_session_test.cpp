@@ -29,15 +29,17 @@ struct Trouble {
 class TroubledSession {
  public:
   explicit TroubledSession(const Trouble& trouble, const std::string& more_rig = "",
-                           std::uint64_t seed = 1, const std::string& between = "off")
+                           std::uint64_t seed = 1, const std::string& between = "off",
+                           const std::string& at = "125min", const std::string& lasts = "60min")
       : sim_({.duration = "4h",
               .light_check = "max_hold = \"0s\"",
               .lights = R"([["key"], ["fill"]])",
               .rig = more_rig,
               .between = between,
               .size = "128x96",
-              .faults = "[[fault]]\nat = \"125min\"\nduration = \"60min\"\ndevice = \"" +
-                        trouble.device + "\"\nkind = \"" + trouble.kind + "\"\n" +
+              .faults = "[[fault]]\nat = \"" + at + "\"\nduration = \"" + lasts +
+                        "\"\ndevice = \"" + trouble.device + "\"\nkind = \"" + trouble.kind +
+                        "\"\n" +
                         (trouble.amount.empty() ? "" : "amount = " + trouble.amount + "\n"),
               .specimen = "banana_ripening",
               .seed = seed}) {}
@@ -102,19 +104,33 @@ TEST(TroubledSession, CannotTellALampThatGivesThePatchTheSameLight) {
 
 class CoveredPatch : public ::testing::TestWithParam<const char*> {};
 
+// The picture has seen too few shots to have a vote.
 TEST_P(CoveredPatch, HoldsWhatNoOtherWitnessVouchesFor) {
-  TroubledSession session({"cam0", GetParam(), "0.3"});
-  expectHeld(session.run());
-  EXPECT_THAT(session.reason(), HasSubstr("patch:cam0 is partly covered (spread"));
+  TroubledSession session({"cam0", GetParam(), "0.3"}, "", 1, "off", "45min", "20min");
+  session.run();
+  EXPECT_THAT(session.sim().decisions()[5], "held");
+  EXPECT_THAT(session.sim().decisions()[6], "held");
+  EXPECT_EQ(session.last(), "captured") << "goes on by itself";
+  EXPECT_THAT(session.sim().reader().step(session.sim().run_id, 6)->reason,
+              HasSubstr("patch:cam0 is partly covered (spread"));
   EXPECT_THAT(session.alarms(), Contains(StartsWith("light key held begins: light key: "
                                                     "patch:cam0 is partly covered")));
+  session.sim().expectWhole();
 }
 
 TEST_P(CoveredPatch, GoesOnWithARemarkWhileALuxSensorVouchesForTheLight) {
-  TroubledSession session({"cam0", GetParam(), "0.3"}, kLux);
+  TroubledSession session({"cam0", GetParam(), "0.3"}, kLux, 1, "off", "45min", "20min");
   expectCaptured(session.run());
   EXPECT_THAT(session.alarms(),
               Contains(AllOf(HasSubstr("light key"), HasSubstr("patch:cam0 is partly covered"))));
+  EXPECT_THAT(session.alarms().back(), HasSubstr("is over"));
+}
+
+TEST_P(CoveredPatch, GoesOnWithARemarkWhileThePictureVouchesForTheLight) {
+  TroubledSession session({"cam0", GetParam(), "0.3"});
+  expectCaptured(session.run());
+  EXPECT_THAT(session.alarms(), Contains(AllOf(HasSubstr("light key"),
+                                               HasSubstr("soiled or covered: the picture says"))));
   EXPECT_THAT(session.alarms().back(), HasSubstr("is over"));
 }
 
