@@ -55,7 +55,12 @@ std::array<double, kStafDegree + 1> readCurve(const fs::path& file, const std::s
       char* end = nullptr;
       const double v = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(v))
-        refuse(file.string() + ": '" + word + "' after " + label + " is no number");
+        refuse(file.string()
+                   .append(": '")
+                   .append(word)
+                   .append("' after ")
+                   .append(label)
+                   .append(" is no number"));
       numbers.push_back(v);
     }
     constexpr std::size_t kTerms = kStafDegree + 1;

@@ -80,7 +80,7 @@ StbrdfSet outlineOf(const fs::path& folder) {
   for (std::size_t i = 0; i < names->size(); ++i) {
     const std::string& name = (*names)[i];
     if (name.empty() || name.find('/') != std::string::npos)
-      refuse(where + ": '" + name + "' is no name of a map");
+      refuse(std::string(where).append(": '").append(name).append("' is no name of a map"));
     TimeMap map{.name = name, .coefficients = {}};
     if (ranges) {
       map.low = static_cast<float>((*ranges)[2 * i]);
