@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <opencv2/photo.hpp>
 #include <optional>
 #include <string>
@@ -39,6 +41,24 @@ Counts countCodes(const std::vector<Bracket>& brackets) {
   return counts;
 }
 
+std::int64_t sumOf(const Bracket& bracket) {
+  const std::vector<std::uint8_t>& codes = bracket.codes.texels();
+  return std::accumulate(codes.begin(), codes.end(), std::int64_t{0});
+}
+
+// Exposure 0 is a covered lens: as dark as any, or its exposure is merely missing.
+void checkCovered(const std::vector<Bracket>& brackets) {
+  std::int64_t covered = 0, darkest = std::numeric_limits<std::int64_t>::max();
+  for (const Bracket& bracket : brackets)
+    if (bracket.exposure_s == 0)
+      covered = std::max(covered, sumOf(bracket));
+    else
+      darkest = std::min(darkest, sumOf(bracket));
+  if (covered > darkest)
+    refuse(
+        "a picture of exposure 0, a covered lens, is not the darkest: its exposure is not known");
+}
+
 void checkBrackets(const std::vector<Bracket>& brackets, ResponseReport& report) {
   report.exposures = static_cast<int>(brackets.size());
   if (report.exposures < kExposuresMin)
@@ -57,6 +77,7 @@ void checkBrackets(const std::vector<Bracket>& brackets, ResponseReport& report)
   }
   report.ratio = most / least;
   if (!(report.ratio >= kRatioMin)) refuse("the exposures are all alike");
+  checkCovered(brackets);
 }
 
 cv::Mat solve(const std::vector<Bracket>& brackets, const ResponseOptions& options) {

@@ -73,7 +73,7 @@ TEST_F(Render, SaysWhatIsWrongAndLeavesNothing) {
   EXPECT_EQ(render("scene.toml", "no.png", {"--time", "2"}).exit, 64);
   finished = render("", "no.png");
   EXPECT_EQ(finished.exit, 64);
-  EXPECT_THAT(finished.err, HasSubstr("folder"));
+  EXPECT_THAT(finished.err, HasSubstr("--top"));
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path()))
     EXPECT_EQ(entry.path().extension(), ".toml") << entry.path();
 }
