@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina stbrdf enlarge: a set of any size from a small one.
+#include <cstdio>
 #include <cstdlib>
 
 #include "capture/app/verbs/stbrdf_verbs.h"
@@ -66,6 +67,8 @@ void run(Context& context, Options& options) {
   stbrdf::writeStbrdfSet(options.out, larger.set, context.progress);
   if (!options.nnf.empty()) optimization::writeNnf(options.nnf, larger.field, set.size().width);
   context.out.asList();
+  char seconds[24];
+  std::snprintf(seconds, sizeof seconds, "%.3f s", toSeconds(took));
   const patch::FieldEnergy& energy = larger.field.energy;
   context.out.add(std::move(
       Item()
@@ -78,7 +81,7 @@ void run(Context& context, Options& options) {
           .set("occupancy", Value{energy.occupancy})
           .set("left_out", Value{larger.field.left_out})
           .set("seed", static_cast<std::int64_t>(context.seed()))
-          .set("enlarge_ns", took)));
+          .set("enlarge_ns", Value{static_cast<std::int64_t>(took.count())}, seconds)));
 }
 
 }  // namespace
