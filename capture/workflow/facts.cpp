@@ -20,7 +20,8 @@ Facts& Facts::set(const std::string& key, Value value) {
 }
 
 Facts& Facts::embed(const std::string& key, const Facts& inner) {
-  for (const auto& [name, value] : inner.values_) set(key + "." + name, value);
+  for (const auto& [name, value] : inner.values_)
+    set(std::string(key).append(".").append(name), value);
   return *this;
 }
 

@@ -79,12 +79,15 @@ LampFrames::LampFrames(const db::ArchiveReader& reader, const std::string& run_i
   for (const std::string& lamp : of_state) {
     alone_.push_back(companion(lamp, "lamps that drift apart"));
     measured_alone_.push_back(correction.light_gain ? measuredGains(run_id, lamp) : Gains{});
-    if (measured_alone_.back().empty() && !measured_.empty())
-      throw WorkflowError(Exit::kUsage, "the light of " + frames_.report().light +
-                                            " was measured after it was captured, that of " + lamp +
-                                            " was not: run `patina light measure` with --light " +
-                                            lamp + " too");
+    if (measured_alone_.back().empty() && !measured_.empty()) refuseUnmeasured(lamp);
   }
+}
+
+void LampFrames::refuseUnmeasured(const std::string& lamp) const {
+  throw WorkflowError(Exit::kUsage, "the light of " + frames_.report().light +
+                                        " was measured after it was captured, that of " + lamp +
+                                        " was not: run `patina light measure` with --light " +
+                                        lamp + " too");
 }
 
 LampFrames::Gains LampFrames::measuredGains(const std::string& run_id, const std::string& light) {

@@ -55,6 +55,7 @@ class LampFrames final : public ttf::FrameSource {
   void takeAmbient(Image<float>& linear, Nanoseconds exposure, std::int64_t step);
   void undoDriftApart(Image<float>& linear, std::int64_t step);
   using Gains = std::map<std::string, std::array<float, 3>>;  // by frame, light_gain.h
+  [[noreturn]] void refuseUnmeasured(const std::string& lamp) const;
   Gains measuredGains(const std::string& run_id, const std::string& light);
   std::array<float, 3> gainOf(const Gains& measured, const ttf::SourceFrame& frame,
                               db::RowId shot) const;
