@@ -191,6 +191,7 @@ PATINA_INLINE void evaluateModel(Model model, Samples& samples, Estimate& at, co
     evaluateAll<Ward, kSlopes>(samples, at, prior, tangents, q);
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): an attribute cannot stand in any.
 #define PATINA_PATH(name, attribute)                                                     \
   attribute void name##Slopes(Model model, Samples& s, Estimate& at, const Prior& prior, \
                               const Tangents& t, Equations& q) {                         \
@@ -200,6 +201,7 @@ PATINA_INLINE void evaluateModel(Model model, Samples& samples, Estimate& at, co
                             const Tangents& t, Equations& q) {                           \
     evaluateModel<false>(model, s, at, prior, t, q);                                     \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 PATINA_PATH(plain, )
 #ifdef __x86_64__
 PATINA_PATH(avx2, __attribute__((target("avx2"))))

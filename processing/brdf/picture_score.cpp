@@ -18,9 +18,11 @@ float clamped(float v) { return std::min(std::max(v, 0.0f), 1.0f); }
 std::array<float, 2 * kReach + 1> window() {
   std::array<float, 2 * kReach + 1> w{};
   float sum = 0;
-  for (int i = -kReach; i <= kReach; ++i)
-    sum += w[static_cast<std::size_t>(i + kReach)] =
+  for (int i = -kReach; i <= kReach; ++i) {
+    const int place = i + kReach;
+    sum += w[static_cast<std::size_t>(place)] =
         std::exp(-static_cast<float>(i * i) / (2 * 1.5f * 1.5f));
+  }
   for (float& v : w) v /= sum;
   return w;
 }
@@ -70,9 +72,10 @@ double ssim(ImageView<const float> a, ImageView<const float> b) {
     double sum = 0;
     for (int x = 0; x < width - 2 * kReach * a.channels; ++x) {
       Moments m;
-      for (int i = 0; i <= 2 * kReach; ++i)
-        m.add(kWindow[static_cast<std::size_t>(i)],
-              columns[static_cast<std::size_t>(x + i * a.channels)]);
+      for (int i = 0; i <= 2 * kReach; ++i) {
+        const int column = x + i * a.channels;
+        m.add(kWindow[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(column)]);
+      }
       sum += m.similarity();
     }
     row_sum[static_cast<std::size_t>(row)] = sum;
