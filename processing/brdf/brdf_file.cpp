@@ -130,25 +130,10 @@ void writeMapsInto(const fs::path& folder, const BrdfSetInfo& info, const BrdfMa
   writeFileAtomically(folder / "manifest.json", manifest.json());
 }
 
-// Under a name beside `folder`, renamed when all of it is there.
 void writeFolder(const fs::path& folder, const BrdfSetInfo& info, const BrdfMaps& maps,
                  std::optional<double> time) {
-  const fs::path temporary = temporaryBeside(folder);
-  try {
-    fs::create_directories(temporary);
-    writeMapsInto(temporary, info, maps, time);
-    fs::remove_all(folder);
-    fs::rename(temporary, folder);
-  } catch (const fs::filesystem_error& e) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw ProcessingError(Exit::kCannotCreate,
-                          folder.string() + " cannot be written: " + e.code().message());
-  } catch (...) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw;
-  }
+  writeFolderAtomically(
+      folder, [&](const fs::path& temporary) { writeMapsInto(temporary, info, maps, time); });
 }
 
 void checkBeforeWriting(const BrdfMaps& maps, const BrdfSetInfo& info) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 namespace patina {
 
@@ -13,5 +14,11 @@ std::filesystem::path temporaryBeside(const std::filesystem::path& path);
 // fsync of the file, rename over `path`, fsync of the folder. On failure removes the temporary file
 // and throws ProcessingError (kIo, kCannotCreate when the disk is full, kPermission).
 void publishAtomically(const std::filesystem::path& temporary, const std::filesystem::path& path);
+
+// A folder that appears whole: `fill` writes into one beside it, which then takes the place of
+// `folder`, also of one that was there. On failure nothing of it stays; throws what `fill` throws,
+// or ProcessingError(kCannotCreate).
+void writeFolderAtomically(const std::filesystem::path& folder,
+                           const std::function<void(const std::filesystem::path&)>& fill);
 
 }  // namespace patina

@@ -126,4 +126,24 @@ void writeFileAtomically(const std::filesystem::path& path, const std::string& t
   writeFileAtomically(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
+void writeFolderAtomically(const std::filesystem::path& folder,
+                           const std::function<void(const std::filesystem::path&)>& fill) {
+  const std::filesystem::path temporary = temporaryBeside(folder);
+  try {
+    std::filesystem::create_directories(temporary);
+    fill(temporary);
+    std::filesystem::remove_all(folder);
+    std::filesystem::rename(temporary, folder);
+  } catch (const std::filesystem::filesystem_error& e) {
+    std::error_code none;
+    std::filesystem::remove_all(temporary, none);
+    throw ProcessingError(Exit::kCannotCreate,
+                          folder.string() + " cannot be written: " + e.code().message());
+  } catch (...) {
+    std::error_code none;
+    std::filesystem::remove_all(temporary, none);
+    throw;
+  }
+}
+
 }  // namespace patina

@@ -204,21 +204,7 @@ StafSet readStafSet(const fs::path& folder) {
 void writeStafSet(const fs::path& folder, const StafSet& set) {
   if (fs::exists(folder))
     throw ProcessingError(Exit::kCannotCreate, folder.string() + " is there already");
-  const fs::path temporary = temporaryBeside(folder);
-  try {
-    fs::create_directories(temporary);
-    writeInto(temporary, set);
-    fs::rename(temporary, folder);
-  } catch (const fs::filesystem_error& e) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw ProcessingError(Exit::kCannotCreate,
-                          folder.string() + " cannot be written: " + e.code().message());
-  } catch (...) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw;
-  }
+  writeFolderAtomically(folder, [&](const fs::path& temporary) { writeInto(temporary, set); });
 }
 
 StbrdfSet stafPolynomials(const StafSet& set, int degree, Progress& progress) {

@@ -197,9 +197,7 @@ void writeStbrdfSet(const fs::path& folder, const StbrdfSet& set, Progress& prog
   for (const auto& [key, value] : set.facts.all())
     if (!manifest.has(key)) manifest.set(key, value);
 
-  const fs::path temporary = temporaryBeside(folder);
-  try {
-    fs::create_directories(temporary);
+  writeFolderAtomically(folder, [&](const fs::path& temporary) {
     const int terms = set.degree + 1, files = terms * static_cast<int>(set.maps.size());
     progress.begin("writing coefficients", files);
     tbb::parallel_for(0, files, [&](int i) {
@@ -209,17 +207,7 @@ void writeStbrdfSet(const fs::path& folder, const StbrdfSet& set, Progress& prog
       progress.step();
     });
     writeFileAtomically(temporary / "manifest.json", manifest.json());
-    fs::rename(temporary, folder);
-  } catch (const fs::filesystem_error& e) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw ProcessingError(Exit::kCannotCreate,
-                          folder.string() + " cannot be written: " + e.code().message());
-  } catch (...) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw;
-  }
+  });
 }
 
 }  // namespace patina::stbrdf

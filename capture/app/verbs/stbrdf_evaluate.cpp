@@ -80,18 +80,11 @@ Image<std::uint8_t> shown(const stbrdf::TimeMap& map, const Image<float>& at) {
 }
 
 void writePictures(const Options& options, const stbrdf::StbrdfSet& set) {
-  const fs::path temporary = temporaryBeside(options.out);
-  try {
-    fs::create_directories(temporary);
+  writeFolderAtomically(options.out, [&](const fs::path& temporary) {
     for (const stbrdf::TimeMap& map : set.maps)
       writePng(temporary / (map.name + ".png"),
                shown(map, evaluate(map, set.basis, options.time, stbrdf::Clamp::kToRange)).view());
-    fs::rename(temporary, options.out);
-  } catch (...) {
-    std::error_code none;
-    fs::remove_all(temporary, none);
-    throw;
-  }
+  });
 }
 
 void evaluateSet(Context& context, const Options& options) {
