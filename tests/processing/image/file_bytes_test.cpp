@@ -75,5 +75,22 @@ TEST(PublishAtomically, RemovesTheTemporaryFileOnFailure) {
   EXPECT_FALSE(fs::exists(folder / "t"));
 }
 
+TEST(WriteFolderAtomically, PutsTheNewOneInPlaceOrLeavesTheOldOne) {
+  const TempFolder folder;
+  const auto write = [&](const std::string& text) {
+    writeFolderAtomically(folder / "set", [&](const fs::path& into) {
+      testing::writeFile(into / text, text);
+      if (text == "bad") throw ProcessingError(Exit::kBadData, "no");
+    });
+  };
+  write("old");
+  EXPECT_THROW(write("bad"), ProcessingError);
+  EXPECT_TRUE(fs::exists(folder / "set" / "old"));
+  write("new");
+  EXPECT_FALSE(fs::exists(folder / "set" / "old"));
+  EXPECT_TRUE(fs::exists(folder / "set" / "new"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "nothing stays beside";
+}
+
 }  // namespace
 }  // namespace patina
