@@ -9,7 +9,7 @@
 namespace patina::stbrdf {
 namespace {
 
-constexpr std::size_t kSeriesMax = 20'000;
+constexpr std::size_t kSeriesMax = 10'000;
 constexpr double kAsGood = 1.02, kWorse = 1.1;
 constexpr double kRounding = 1e-6;  // float32 samples: differences below this say nothing
 

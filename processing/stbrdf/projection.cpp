@@ -142,6 +142,53 @@ void store(const float* sums, std::size_t width, float* to) {
     std::copy_n(sums, width, to);
 }
 
+// What is left of `width` series from `at` on.
+struct Residual {
+  const float* const* samples;
+  const float* const* coefficients;
+  const double* values;   // [t][k] of the basis
+  const double* weights;  // [t]
+  int steps, terms;
+};
+
+// sum[kBlock]: weighted squares over all steps.
+[[gnu::always_inline]] inline void squaresOfSome(const Residual& job, std::size_t at,
+                                                 std::size_t width, double* sum) {
+  std::fill_n(sum, kBlock, 0.0);
+  for (int t = 0; t < job.steps; ++t) {
+    double p[kBlock] = {};
+    for (int k = 0; k < job.terms; ++k) {
+      const double b = job.values[t * job.terms + k];
+      const float* c = job.coefficients[k] + at;
+      for (std::size_t i = 0; i < width; ++i) p[i] += b * c[i];
+    }
+    const float* y = job.samples[t] + at;
+    const double w = job.weights[t];
+    for (std::size_t i = 0; i < width; ++i) sum[i] += w * (y[i] - p[i]) * (y[i] - p[i]);
+  }
+}
+
+// A whole block has a length that the compiler knows.
+[[gnu::always_inline]] inline void squaresOf(const Residual& job, std::size_t at, std::size_t width,
+                                             double* sum) {
+  if (width == kBlock)
+    squaresOfSome(job, at, kBlock, sum);
+  else
+    squaresOfSome(job, at, width, sum);
+}
+
+void squaresPlain(const Residual& job, std::size_t at, std::size_t width, double* sum) {
+  squaresOf(job, at, width, sum);
+}
+[[gnu::target("avx2")]] void squaresAvx2(const Residual& job, std::size_t at, std::size_t width,
+                                         double* sum) {
+  squaresOf(job, at, width, sum);
+}
+[[gnu::target("avx512f")]] void squaresAvx512(const Residual& job, std::size_t at,
+                                              std::size_t width, double* sum) {
+  squaresOf(job, at, width, sum);
+}
+
 }  // namespace
 
 Projection::Projection(const TimeFit& fit, Basis basis)
@@ -196,31 +243,25 @@ void residualRms(const TimeFit& fit, Basis basis, std::span<const float* const> 
                 &values[static_cast<std::size_t>(t) * static_cast<std::size_t>(terms)]);
     weight_sum += fit.weights()[static_cast<std::size_t>(t)];
   }
+  const Residual job{
+      samples.data(), coefficients.data(), values.data(), fit.weights().data(), steps, terms};
+  const SimdPath path = simdPath();
+  const auto squares = path == SimdPath::kAvx512 ? squaresAvx512
+                       : path == SimdPath::kAvx2 ? squaresAvx2
+                                                 : squaresPlain;
   constexpr std::size_t kGrain = 4096;
   const std::size_t blocks = (rms.size() + kBlock - 1) / kBlock;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, blocks, kGrain / kBlock),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t block = range.begin(); block != range.end(); ++block) {
-          const std::size_t at = block * kBlock, width = std::min(kBlock, rms.size() - at);
-          double sum[kBlock] = {};
-          for (int t = 0; t < steps; ++t) {
-            double p[kBlock] = {};
-            for (int k = 0; k < terms; ++k) {
-              const double b =
-                  values[static_cast<std::size_t>(t) * static_cast<std::size_t>(terms) +
-                         static_cast<std::size_t>(k)];
-              const float* c = coefficients[static_cast<std::size_t>(k)] + at;
-              for (std::size_t i = 0; i < width; ++i) p[i] += b * c[i];
-            }
-            const float* y = samples[static_cast<std::size_t>(t)] + at;
-            const double w = fit.weights()[static_cast<std::size_t>(t)];
-            for (std::size_t i = 0; i < width; ++i) sum[i] += w * (y[i] - p[i]) * (y[i] - p[i]);
-          }
-          for (std::size_t i = 0; i < width; ++i)
-            rms[at + i] = static_cast<float>(std::sqrt(sum[i] / weight_sum));
-        }
-      });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, kGrain / kBlock),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t block = range.begin(); block != range.end(); ++block) {
+                        const std::size_t at = block * kBlock,
+                                          width = std::min(kBlock, rms.size() - at);
+                        double sum[kBlock];
+                        squares(job, at, width, sum);
+                        for (std::size_t i = 0; i < width; ++i)
+                          rms[at + i] = static_cast<float>(std::sqrt(sum[i] / weight_sum));
+                      }
+                    });
 }
 
 }  // namespace patina::stbrdf

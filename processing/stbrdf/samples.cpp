@@ -6,8 +6,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace patina::stbrdf {
+namespace {
+
+bool isOutside(float v, float least, float most) { return !(v >= least) || !(v <= most); }
+
+// The index of the first value that is no number or outside; `v.size()` when all are within.
+std::size_t firstOutside(std::span<const float> v, float least, float most) {
+  constexpr std::size_t kChunk = 64;  // looked at without a branch
+  std::size_t from = 0;
+  for (; from + kChunk <= v.size(); from += kChunk) {
+    const float* chunk = &v[from];
+    int outside = 0;
+    for (std::size_t i = 0; i < kChunk; ++i)
+      outside |= static_cast<int>(!(chunk[i] >= least)) | static_cast<int>(!(chunk[i] <= most));
+    if (outside != 0) break;
+  }
+  while (from < v.size() && !isOutside(v[from], least, most)) ++from;
+  return from;
+}
+
+}  // namespace
 
 std::vector<const float*> TimeSamples::planes() const {
   std::vector<const float*> out;
@@ -36,13 +57,11 @@ void checkSamples(const TimeSamples& samples) {
                        std::to_string(first.width()) + "x" + std::to_string(first.height()) +
                        " with " + std::to_string(first.channels()));
     const std::vector<float>& v = map.texels();
-    const auto bad =
-        std::find_if(v.begin(), v.end(), [&](float x) { return !(x >= least && x <= most); });
-    if (bad == v.end()) return;
-    const std::size_t texel =
-        static_cast<std::size_t>(bad - v.begin()) / static_cast<std::size_t>(map.channels());
+    const std::size_t bad = firstOutside(v, least, most);
+    if (bad == v.size()) return;
+    const std::size_t texel = bad / static_cast<std::size_t>(map.channels());
     const auto row = static_cast<std::size_t>(map.width());
-    refuse(step, "holds " + std::to_string(*bad) + " at (" + std::to_string(texel % row) + ", " +
+    refuse(step, "holds " + std::to_string(v[bad]) + " at (" + std::to_string(texel % row) + ", " +
                      std::to_string(texel / row) + "), far outside [" +
                      std::to_string(samples.low) + ", " + std::to_string(samples.high) + "]");
   });
