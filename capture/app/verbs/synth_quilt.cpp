@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina synth quilt: a larger texture from a smaller one, block by block.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include "capture/app/context.h"
 #include "capture/app/verbs/synth_verbs.h"
@@ -11,12 +14,14 @@
 #include "processing/image/picture_file.h"
 #include "processing/synthesis/quilting/block_size.h"
 #include "processing/synthesis/quilting/ttf_quilting.h"
+#include "processing/ttf/join.h"
 
 namespace patina::app {
 namespace {
 
 struct Options {
-  std::string in, out;
+  std::vector<std::string> in;
+  std::string out;
   quilting::QuiltingOptions quilting;
   std::string keep;
   double rank_error = 0;
@@ -74,7 +79,7 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   making.command = "patina synth quilt";
   making.seed = options.quilting.seed;
   making.version = PATINA_VERSION;
-  making.input_sha256s = {sha256OfFile(options.in).hex()};
+  for (const std::string& in : options.in) making.input_sha256s.push_back(sha256OfFile(in).hex());
   making.options.set("display_referred", workflow::isDisplayReferred(input));
   making.options.text("size", sizeText(options.quilting.size));
   const SizePx block = options.quilting.blockFor({input.width, input.height});
@@ -90,6 +95,7 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
   making.options.count("seam_sweeps", options.quilting.seam_sweeps);
   making.options.count("overlap", options.quilting.overlapFor(block));
   making.options.count("rank", options.quilting.svd_rank);
+  if (options.quilting.channels_apart) making.options.text("channels", "apart");
   if (options.quilting.rank_error)
     making.options.number("rank_error", *options.quilting.rank_error);
   making.options.number("tolerance", options.quilting.tolerance);
@@ -111,6 +117,28 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
 // Where a seam is this much steeper than the material itself, the eye finds it.
 constexpr double kSeamRatioSeen = 1.25;
 
+// The sample, or all of them side by side, in a file that is gone with the reader.
+ttf::TtfReader samplesOf(Context& context, Options& options) {
+  std::vector<ttf::TtfReader> samples;
+  for (const std::string& in : options.in) samples.emplace_back(in);
+  if (samples.empty()) throw AppError(Exit::kUsage, "name the textures to take samples from");
+  if (samples.size() == 1) return std::move(samples[0]);
+  const std::string file = options.out + ".samples";
+  options.quilting.parts = ttf::joinTtfs(samples, file, context.progress);
+  ttf::TtfReader joined(file);
+  std::filesystem::remove(file);
+  return joined;
+}
+
+std::string sharesText(const std::vector<double>& shares) {
+  std::string text;
+  for (const double share : shares) {
+    if (!text.empty()) text += ' ';
+    text.append(std::to_string(std::lround(100 * share))).append("%");
+  }
+  return text;
+}
+
 void quilt(Context& context, Options& options) {
   options.quilting.seed = context.seed();
   if (options.quilting.blend_px == kAsNeeded) {
@@ -118,13 +146,16 @@ void quilt(Context& context, Options& options) {
     options.quilting.blend_auto = true;
   }
   if (options.rank_error > 0) options.quilting.rank_error = options.rank_error;
-  const ttf::TtfReader input(options.in);
+  const ttf::TtfReader input = samplesOf(context, options);
   std::string reason = "as asked";
   if (options.quilting.block_px == SizePx{}) reason = "a sixth of the sample";
   if (options.quilting.block_px == kFromTheData) {
     const quilting::BlockProposal proposal =
         quilting::proposeBlock(quilting::QuiltingSource(input, nullptr));
     options.quilting.block_px = proposal.block;
+    for (const RectPx& part : options.quilting.parts)
+      options.quilting.block_px = {std::min(options.quilting.block_px.width, part.width),
+                                   std::min(options.quilting.block_px.height, part.height)};
     reason = proposal.reason;
   }
   if (!options.keep.empty()) options.quilting.keep = maskOf(options.keep);
@@ -137,22 +168,24 @@ void quilt(Context& context, Options& options) {
                  std::to_string(report.seam_ratio_frames).substr(0, 4) +
                  " times that inside; --blend auto corrects what lies beside them");
   context.out.asList();
-  context.out.add(std::move(Item()
-                                .set("path", options.out.c_str())
-                                .set("width_px", options.quilting.size.width)
-                                .set("height_px", options.quilting.size.height)
-                                .set("frames", input.info().frames)
-                                .set("blocks", report.blocks)
-                                .set("block", sizeText(block).c_str())
-                                .set("block_reason", reason.c_str())
-                                .set("rank", report.rank)
-                                .set("svd_error", Value{report.svd_error})
-                                .set("seam_cost_mean", Value{report.seam_cost_mean})
-                                .set("texels_recut", report.texels_recut)
-                                .set("seam_ratio", Value{report.seam_ratio})
-                                .set("seam_ratio_frames", Value{report.seam_ratio_frames})
-                                .set("blend_px", Value{report.blend_px})
-                                .set("seed", static_cast<std::int64_t>(options.quilting.seed))));
+  Item item;
+  item.set("path", options.out.c_str())
+      .set("width_px", options.quilting.size.width)
+      .set("height_px", options.quilting.size.height)
+      .set("frames", input.info().frames)
+      .set("blocks", report.blocks)
+      .set("block", sizeText(block).c_str())
+      .set("block_reason", reason.c_str())
+      .set("rank", report.rank)
+      .set("svd_error", Value{report.svd_error})
+      .set("seam_cost_mean", Value{report.seam_cost_mean})
+      .set("texels_recut", report.texels_recut)
+      .set("seam_ratio", Value{report.seam_ratio})
+      .set("seam_ratio_frames", Value{report.seam_ratio_frames})
+      .set("blend_px", Value{report.blend_px})
+      .set("seed", static_cast<std::int64_t>(options.quilting.seed));
+  if (!report.part_shares.empty()) item.set("shares", sharesText(report.part_shares).c_str());
+  context.out.add(std::move(item));
 }
 
 }  // namespace
@@ -164,7 +197,8 @@ void addSynthVerbs(Verb root) {
       .verb("quilt", "Any size, from blocks of the sample with their whole history",
             "patina synth quilt ivy.h5 --size 600x960 --out quilted.h5",
             [o](Context& context) { quilt(context, *o); })
-      .required("IN", o->in, "A texture's .h5 file")
+      .list("IN", o->in,
+            "A texture's .h5 file, or several of the same times: blocks then come from all of them")
       .option("--size", o->quilting.size, parseSize, "WxH", "Of the result, in pixels")
       .option("--block", o->quilting.block_px, parseBlock, "WxH",
               "Of a block; tall for what grows; auto: by the size of features over time (default: "
@@ -173,6 +207,8 @@ void addSynthVerbs(Verb root) {
               "Of neighbouring blocks, in pixels (default: two fifths of a block)")
       .option("--rank", o->quilting.svd_rank, 1, 1000, "Components to compare blocks by, at most")
       .option("--rank-error", o->rank_error, 0.0, 1.0, "As many components as this error needs")
+      .flag("--channels-apart", o->quilting.channels_apart,
+            "Each colour channel decomposed by itself, with its share of the components")
       .option("--tolerance", o->quilting.tolerance, 0.0, 10.0,
               "A block may be this much worse than the best")
       .option("--verbatim", o->quilting.verbatim, 0.0, 1.0,

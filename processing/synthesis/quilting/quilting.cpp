@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "processing/image/random.h"
@@ -50,6 +51,37 @@ double neighbourDistance(ImageView<const float> features) {
   return pairs ? sum / pairs : 0;
 }
 
+// The smallest part that blocks may come from: what one copy may span follows from it.
+SizePx smallestOf(const std::vector<RectPx>& parts, SizePx source) {
+  for (const RectPx& part : parts) {
+    source.width = std::min(source.width, part.width);
+    source.height = std::min(source.height, part.height);
+  }
+  return source;
+}
+
+// [corners]: 0 where a block would reach beyond the part that it begins in. Empty: all are allowed.
+Image<std::uint8_t> allowedCorners(const std::vector<RectPx>& parts, SizePx corners, SizePx block) {
+  if (parts.empty()) return {};
+  Image<std::uint8_t> allowed(corners.width, corners.height, 1);
+  for (const RectPx& part : parts)
+    for (int y = part.y; y <= part.y + part.height - block.height; ++y)
+      for (int x = part.x; x <= part.x + part.width - block.width; ++x) allowed.at(x, y) = 1;
+  return allowed;
+}
+
+// Of the texels shown, those that come from a part.
+double shareOf(const RectPx& part, ImageView<const std::int32_t> source_xy) {
+  std::int64_t count = 0;
+  for (int y = 0; y < source_xy.height; ++y)
+    for (int x = 0; x < source_xy.width; ++x) {
+      const auto from = source_xy.texel(x, y);
+      count += from[0] >= part.x && from[0] < part.x + part.width && from[1] >= part.y &&
+               from[1] < part.y + part.height;
+    }
+  return static_cast<double>(count) / (static_cast<double>(source_xy.width) * source_xy.height);
+}
+
 SizePx verbatimPx(SizePx source, double share) {
   return {static_cast<int>(share * source.width), static_cast<int>(share * source.height)};
 }
@@ -63,7 +95,9 @@ class Quilter {
         overlap_(options.overlapFor(block)),
         search_(features, block),
         guard_(search_.corners(), block, options.tile ? canvas : SizePx{},
-               options.repetition_penalty, verbatimPx(features.size(), options.verbatim)),
+               options.repetition_penalty,
+               verbatimPx(smallestOf(options.parts, features.size()), options.verbatim)),
+        allowed_(allowedCorners(options.parts, search_.corners(), block)),
         floor_per_texel_(0.05 * neighbourDistance(features)),
         canvas_(features, canvas, block, options.tile, warps),
         warps_(warps) {
@@ -104,6 +138,8 @@ class Quilter {
     result.report.blocks = static_cast<int>(index_of_.size());
     result.report.rank = features.channels;
     result.report.seam_cost_mean = seam_edges_ ? seam_cost_ / (2.0 * seam_edges_) : 0;
+    for (const RectPx& part : options_.parts)
+      result.report.part_shares.push_back(shareOf(part, result.quilt.source_xy.view()));
     result.report.seam_ratio = seamRatio(canvas_.shown(options_.size).view(), result.quilt);
     return result;
   }
@@ -111,16 +147,16 @@ class Quilter {
  private:
   // Of some drawn from those that agree well all over the overlap, the one that joins best.
   patch::Candidate choose(std::uint64_t draw, const patch::Overlap& overlap, int x, int y) {
-    const SizePx corners = search_.corners();
     const std::int64_t known = canvas_.knownTexels();
     if (options_.first && index_of_.empty()) return {options_.first->x, options_.first->y, 0};
-    if (known == 0)
-      return {static_cast<int>(uniformBelow(hashSeed(draw, 1), corners.width)),
-              static_cast<int>(uniformBelow(hashSeed(draw, 2), corners.height)), 0};
+    if (known == 0) return anyCorner(draw);
     Image<float> weights = guard_.weights(x, y);
+    forbidCorners(weights);
     if (std::none_of(weights.texels().begin(), weights.texels().end(),
-                     [](float w) { return std::isfinite(w); }))  // a source hardly above a block
+                     [](float w) { return std::isfinite(w); })) {  // a source hardly above a block
       std::fill(weights.texels().begin(), weights.texels().end(), 1.0f);
+      forbidCorners(weights);
+    }
     const std::vector<patch::Candidate> found = search_.candidates(
         overlap, {options_.tolerance, floor_per_texel_ * known, std::as_const(weights).view()});
     PATINA_CHECK(!found.empty());
@@ -136,11 +172,26 @@ class Quilter {
                              [](const auto& a, const auto& b) { return a.cost < b.cost; });
   }
 
+  patch::Candidate anyCorner(std::uint64_t draw) const {
+    const SizePx corners = search_.corners();
+    for (int i = 0;; ++i) {
+      const patch::Candidate drawn{
+          static_cast<int>(uniformBelow(hashSeed(draw, 2 * i + 1), corners.width)),
+          static_cast<int>(uniformBelow(hashSeed(draw, 2 * i + 2), corners.height)), 0};
+      if (allowed_.empty() || allowed_.at(drawn.x, drawn.y)) return drawn;
+    }
+  }
+  void forbidCorners(Image<float>& weights) const {
+    for (std::size_t i = 0; i < allowed_.texels().size(); ++i)
+      if (!allowed_.texels()[i]) weights.texels()[i] = std::numeric_limits<float>::infinity();
+  }
+
   const QuiltingOptions& options_;
   SizePx block_;
   int overlap_;
   patch::OverlapSearch search_;
   RepetitionGuard guard_;
+  Image<std::uint8_t> allowed_;
   double floor_per_texel_;
   Canvas canvas_;
   TimeWarps* warps_;
@@ -157,7 +208,7 @@ class Quilter {
                         "quilting: " + field + " is " + value + "; allowed: " + allowed);
 }
 
-// What was given a place by hand lies within the source.
+// What was given a place by hand lies within the source, of several the first.
 void checkPlaces(const QuiltingOptions& options, SizePx source, SizePx block) {
   const auto text = [](int x, int y) { return std::to_string(x) + "," + std::to_string(y); };
   if (options.first && (options.first->x < 0 || options.first->y < 0 ||
@@ -198,6 +249,7 @@ Image<T> copyByMap(ImageView<const T> frame, const Quilt& quilt) {
 
 SizePx QuiltingOptions::blockFor(SizePx source) const {
   if (block_px != SizePx{}) return block_px;
+  source = smallestOf(parts, source);
   const int side = std::clamp(std::min(source.width, source.height) / 6, 24, 160);
   return {std::min(side, source.width), std::min(side, source.height)};
 }
@@ -221,9 +273,14 @@ void QuiltingOptions::check(SizePx source) const {
                                             "; at most 40 million texels can be compared: cut a "
                                             "part out of it (patina ttf build --roi)");
   const SizePx block = blockFor(source);
-  if (block.width < 2 || block.height < 2 || block.width > source.width ||
-      block.height > source.height)
-    refuse("block_px", text(block), "2x2 to the source's " + text(source));
+  const SizePx smallest = smallestOf(parts, source);
+  if (block.width < 2 || block.height < 2 || block.width > smallest.width ||
+      block.height > smallest.height)
+    refuse("block_px", text(block),
+           "2x2 to the source's " + text(smallest) + (parts.empty() ? "" : ", the smallest's"));
+  for (const RectPx& p : parts)
+    PATINA_CHECK(p.x >= 0 && p.y >= 0 && p.x + p.width <= source.width &&
+                 p.y + p.height <= source.height);
   const int smaller = std::min(block.width, block.height);
   if (overlap_px < 0 || overlap_px > smaller / 2)
     refuse("overlap_px", std::to_string(overlap_px),
@@ -240,9 +297,12 @@ void QuiltingOptions::check(SizePx source) const {
     refuse("repetition_penalty", std::to_string(repetition_penalty), "0 to 1000000");
   if (low_frequency_px != 0 && !within(low_frequency_px, 2, 65535))
     refuse("low_frequency_px", std::to_string(low_frequency_px), "0 (a block) or 2 to 65535");
+  if (parts.size() > 1 && low_frequency != LowFrequencyUse::kKeep)
+    refuse("low_frequency", "drop or restore",
+           "keep where samples come from several sources: take it out of each first");
   if (tile && low_frequency == LowFrequencyUse::kRestore)
     refuse("low_frequency", "restore", "keep or drop where the result wraps around");
-  checkPlaces(*this, source, block);
+  checkPlaces(*this, parts.empty() ? source : SizePx{parts[0].width, parts[0].height}, block);
   if (!within(blend_px, 0, 256)) refuse("blend_px", std::to_string(blend_px), "0 to 256");
   if (!within(jitter_frames, 0, 10000))
     refuse("jitter_frames", std::to_string(jitter_frames), "0 to 10000");

@@ -35,6 +35,7 @@ struct QuiltingOptions {
   int overlap_px = 0;                     // 0: two fifths of the block's smaller side
   int svd_rank = 15;                      // at most; or fewer where error allows
   std::optional<double> rank_error = {};  // relative RMS: rank chosen by error instead
+  bool channels_apart = false;            // each decomposed by itself, svd_rank for all (TTF only)
   double tolerance = 0.2;                 // candidates within (1 + tolerance) of the best
   int seam_sweeps = 2;    // passes over all blocks in which seams already cut are cut anew, 0 to 20
   bool tile = false;      // the result wraps around, left to right, top to bottom
@@ -50,6 +51,7 @@ struct QuiltingOptions {
   std::optional<PointPx> first = {};  // source corner of the first block; nothing: drawn
   Image<std::uint8_t> keep = {};      // [h][w] of the result, not 0: stays as it is; may be empty
   PointPx keep_from{};                // the source texel that what stays would show at 0,0
+  std::vector<RectPx> parts = {};     // of the source, where blocks may come from; empty: all of it
   std::uint64_t seed = 1;
   void check(SizePx source) const;       // throws ProcessingError: field, value, range
   SizePx blockFor(SizePx source) const;  // the defaults resolved
@@ -81,6 +83,7 @@ struct QuiltingReport {
       0;                // of the result as displayed, median over frames sampled (TTF only)
   double blend_px = 0;  // of the correction made (TTF only)
   std::int64_t texels_recut = 0;           // that another block covers since seams were cut anew
+  std::vector<double> part_shares = {};    // of the result's texels, by the part they come from
   std::vector<double> error_of_rank = {};  // relative RMS that rank 1, 2 ... would have (TTF only)
 };
 

@@ -109,6 +109,72 @@ class Tiles {
   std::int64_t tile_first_ = 0, tile_count_ = 0;
 };
 
+// Texel i of the scores is texel `texels[i]` of the image; components go from channel `at` on.
+void takeScores(const decomposition::TemporalSvd& svd, const std::vector<std::int32_t>& texels,
+                int at, Image<float>& features) {
+  const auto rank = static_cast<std::size_t>(svd.rank);
+  for (std::size_t i = 0; i < texels.size(); ++i)
+    std::copy_n(&svd.scores[i * rank], rank,
+                &features.texels()[static_cast<std::size_t>(texels[i]) *
+                                       static_cast<std::size_t>(features.channels()) +
+                                   static_cast<std::size_t>(at)]);
+}
+
+// Of each column of T over all texels.
+std::vector<double> varianceOfColumns(Tiles& tiles, std::int64_t texels, std::size_t columns) {
+  constexpr std::int64_t kTexelsAtOnce = 4096;
+  std::vector<double> sum(columns), squares(columns);
+  std::vector<float> block;
+  for (std::int64_t first = 0; first < texels; first += kTexelsAtOnce) {
+    const std::int64_t count = std::min(kTexelsAtOnce, texels - first);
+    block.resize(columns * static_cast<std::size_t>(count));
+    tiles.fill(first, count, block);
+    for (std::size_t j = 0; j < columns; ++j)
+      for (std::int64_t i = 0; i < count; ++i) {
+        const double v = block[j * static_cast<std::size_t>(count) + static_cast<std::size_t>(i)];
+        sum[j] += v;
+        squares[j] += v * v;
+      }
+  }
+  const auto n = static_cast<double>(texels);
+  for (std::size_t j = 0; j < columns; ++j)
+    squares[j] = std::max(0.0, squares[j] / n - sum[j] / n * (sum[j] / n));
+  return squares;
+}
+
+// Components side by side; a channel's basis says nothing of the others.
+void mergeChannels(const std::vector<decomposition::TemporalSvd>& of_channel,
+                   const std::vector<std::int32_t>& texels, const ttf::TtfInfo& info,
+                   TtfFeatures& result) {
+  const auto channels = of_channel.size(), frames = static_cast<std::size_t>(info.frames);
+  int rank = 0;
+  for (const auto& svd : of_channel) rank += svd.rank;
+  const auto terms = static_cast<std::size_t>(rank);
+  result.features = Image<float>(info.width, info.height, rank);
+  result.basis.assign(frames * channels * terms, 0.0f);
+  result.mean.resize(frames * channels);
+  int at = 0;
+  double power = 0, left = 0;
+  for (std::size_t c = 0; c < channels; ++c) {
+    const decomposition::TemporalSvd& svd = of_channel[c];
+    const auto own = static_cast<std::size_t>(svd.rank);
+    takeScores(svd, texels, at, result.features);
+    for (std::size_t t = 0; t < frames; ++t) {
+      result.mean[t * channels + c] = svd.weight[t] * svd.mean[t];
+      std::copy_n(&svd.basis[t * own], own,
+                  &result.basis[(t * channels + c) * terms + static_cast<std::size_t>(at)]);
+    }
+    at += svd.rank;
+    double kept = 0;
+    for (std::size_t k = 0; k < own; ++k) kept += svd.singular_values[k] * svd.singular_values[k];
+    const double error = svd.relative_error * svd.relative_error,
+                 whole = error < 1 ? kept / (1 - error) : 0;
+    power += whole;
+    left += error * whole;
+  }
+  result.relative_error = power > 0 ? std::sqrt(left / power) : 0;
+}
+
 }  // namespace
 
 Image<std::uint16_t> QuiltingSource::frame(int t) const {
@@ -177,10 +243,39 @@ TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
     result.mean.push_back(svd.weight[j] * svd.mean[j]);
   result.error_of_rank = std::move(svd.error_of_rank);
   result.relative_error = svd.relative_error;
-  for (std::int64_t i = 0; i < m; ++i)
-    std::copy_n(
-        svd.scores.begin() + i * svd.rank, svd.rank,
-        result.features.texels().begin() + static_cast<std::int64_t>(tiles.texels()[i]) * svd.rank);
+  takeScores(svd, tiles.texels(), 0, result.features);
+  return result;
+}
+
+TtfFeatures ttfFeaturesApart(const QuiltingSource& source, int rank_max,
+                             std::optional<double> rank_error, Progress& progress) {
+  const ttf::TtfInfo& info = source.info();
+  Tiles tiles(source);
+  const std::int64_t m = static_cast<std::int64_t>(info.width) * info.height;
+  const auto channels = static_cast<std::size_t>(info.channels),
+             frames = static_cast<std::size_t>(info.frames);
+  TtfFeatures result;
+  result.weight = frameWeights(varianceOfColumns(tiles, m, frames * channels), info.channels);
+  decomposition::SvdOptions options;
+  options.rank = static_cast<int>(std::min<std::int64_t>(std::max(1, rank_max / info.channels),
+                                                         std::min<std::int64_t>(m, info.frames)));
+  options.rank_error = rank_error.value_or(0);
+  options.centre = true;
+  options.weigh = [&](std::span<const double>, std::span<const double>) { return result.weight; };
+  std::vector<decomposition::TemporalSvd> of_channel;
+  std::vector<float> all;
+  for (std::size_t c = 0; c < channels; ++c)
+    of_channel.push_back(decomposition::temporalSvd(
+        m, info.frames,
+        [&](std::int64_t first, std::int64_t count, std::span<float> block) {
+          const auto width = static_cast<std::size_t>(count);
+          all.resize(frames * channels * width);
+          tiles.fill(first, count, all);
+          for (std::size_t t = 0; t < frames; ++t)
+            std::copy_n(&all[(t * channels + c) * width], width, &block[t * width]);
+        },
+        options, progress));
+  mergeChannels(of_channel, tiles.texels(), info, result);
   return result;
 }
 

@@ -47,6 +47,11 @@ struct TtfFeatures {
 // what else its frame shows, so that faint frames count too. Reads the input twice.
 TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
                         std::optional<double> rank_error, Progress& progress);
+// The same from a decomposition of every channel by itself, rank_max over channels components each
+// (at least one), side by side in `features`; frames are weighted as above. Reads the input once
+// more and twice a channel.
+TtfFeatures ttfFeaturesApart(const QuiltingSource& source, int rank_max,
+                             std::optional<double> rank_error, Progress& progress);
 
 // What each u16 sample looks like: sRGB of its linear value, [65536].
 std::vector<float> displayTable(double scale);

@@ -164,7 +164,8 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
   if (options.low_frequency != LowFrequencyUse::kKeep)
     low.emplace(input, options.lowFrequencyFor(options.blockFor(size)), progress);
   const QuiltingSource source(input, low ? &*low : nullptr);
-  const TtfFeatures f = ttfFeatures(source, options.svd_rank, options.rank_error, progress);
+  const TtfFeatures f = (options.channels_apart ? ttfFeaturesApart : ttfFeatures)(
+      source, options.svd_rank, options.rank_error, progress);
   const JitterOptions jitter{options.jitter_frames, options.jitter_event_frames};
   std::optional<TimeWarps> warps;
   if (jitter.any()) warps.emplace(f, jitter, options.seed);

@@ -36,5 +36,21 @@ TEST_F(SynthQuilt, SaysWhetherSeamsMayShowAndWhatHelps) {
             64);
 }
 
+TEST_F(SynthQuilt, TakesBlocksFromSeveralTexturesAndLeavesNothingBesideTheResult) {
+  const std::string file = answer({"ttf", "list"}).text("/items/0/path");
+  const std::filesystem::path folder = place("out");
+  std::filesystem::create_directories(folder);
+  const JsonAnswer made = answer({"synth", "quilt", file, file, "--channels-apart", "--size",
+                                  "96x80", "--block", "32x32", "--out", folder / "q.h5"});
+  EXPECT_THAT(made.text("/items/0/shares"), ::testing::MatchesRegex("[0-9]+% [0-9]+%"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  answer({"ttf", "retime", file, "--rate", "1", "--frames", "3", "--out", place("short.h5")});
+  const Finished refused = patina(
+      {"synth", "quilt", file, place("short.h5"), "--size", "96x80", "--out", place("refused.h5")});
+  EXPECT_EQ(refused.exit, 64);
+  EXPECT_THAT(refused.err, ::testing::HasSubstr("input 2 has 3 frames"));
+  EXPECT_FALSE(std::filesystem::exists(place("refused.h5.samples")));
+}
+
 }  // namespace
 }  // namespace patina::testing

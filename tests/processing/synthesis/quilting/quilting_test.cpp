@@ -52,6 +52,38 @@ TEST(Quilting, ReproducesAPeriodicTextureWithoutAnySeamCost) {
       }
 }
 
+TEST(Quilting, TakesBlocksFromEveryPartAndNothingFromBetween) {
+  const Image<float> f = periodicTexture({100, 60}, 8);
+  QuiltingOptions o = small({150, 120});
+  o.parts = {{0, 0, 48, 60}, {52, 0, 48, 40}};
+  const QuiltResult r = run(f, o);
+  const auto map = r.quilt.source_xy.view();
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const auto from = map.texel(x, y);
+      ASSERT_TRUE(from[0] < 48 || (from[0] >= 52 && from[1] < 40)) << from[0] << "," << from[1];
+    }
+  ASSERT_EQ(r.report.part_shares.size(), 2u);
+  EXPECT_NEAR(r.report.part_shares[0] + r.report.part_shares[1], 1, 1e-12);
+  EXPECT_GT(r.report.part_shares[0], 0.1);
+  EXPECT_GT(r.report.part_shares[1], 0.1);
+}
+
+TEST(Quilting, MeasuresBlocksAndPlacesGivenByHandAgainstThePartsTheyLieIn) {
+  const Image<float> f = periodicTexture({100, 60}, 8);
+  QuiltingOptions o = small({150, 120});
+  o.parts = {{0, 0, 48, 60}, {52, 0, 48, 40}};
+  EXPECT_EQ(o.blockFor(f.size()), (SizePx{16, 16}));
+  o.block_px = {16, 44};
+  EXPECT_THROW(o.check(f.size()), ProcessingError);
+  o.block_px = {16, 16};
+  o.first = PointPx{40, 0};
+  EXPECT_THROW(o.check(f.size()), ProcessingError);
+  o.first = PointPx{32, 0};
+  o.low_frequency = LowFrequencyUse::kDrop;
+  EXPECT_THROW(o.check(f.size()), ProcessingError);
+}
+
 // Blocks of 16 laid edge to edge, drawn from anywhere.
 Quilt patchwork(SizePx size, SizePx source) {
   Quilt q{Image<std::int32_t>(size.width, size.height, 2),

@@ -89,5 +89,43 @@ TEST(TtfFeatures, GiveTheDisplayedHistoryBackThroughTheirBasis) {
   }
 }
 
+TEST(TtfFeatures, OfChannelsApartKeepTheSameDistancesAndGiveHistoriesBack) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 9, {60, 30});
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  const QuiltingSource source(input, nullptr);
+  const TtfFeatures joint = ttfFeatures(source, 27, {}, progress),
+                    apart = ttfFeaturesApart(source, 27, {}, progress);
+  ASSERT_EQ(apart.features.channels(), 27);
+  EXPECT_NEAR(apart.relative_error, 0, 1e-3);
+  const auto distance = [](const TtfFeatures& f) {
+    double sum = 0;
+    for (int k = 0; k < 27; ++k)
+      sum += std::pow(f.features.at(41, 20, k) - f.features.at(7, 3, k), 2);
+    return sum;
+  };
+  EXPECT_NEAR(distance(apart), distance(joint), 1e-3 * distance(joint));
+  for (int t : {0, 4, 8}) {
+    double value = apart.mean[t * 3 + 1];
+    for (int k = 0; k < 27; ++k)
+      value += apart.basis[(t * 3 + 1) * 27 + k] * apart.features.at(41, 20, k);
+    EXPECT_NEAR(value / apart.weight[t], srgbFromLinear(input.linearFrame(t).at(41, 20, 1)), 1e-4);
+  }
+}
+
+TEST(TtfFeatures, OfChannelsApartShareTheRankAndTellItsError) {
+  const TempFolder folder = TempFolder::inMemory();
+  writeTexture(folder / "in.h5", 9, {40, 30});
+  const ttf::TtfReader input(folder / "in.h5");
+  Progress progress;
+  const QuiltingSource source(input, nullptr);
+  const TtfFeatures six = ttfFeaturesApart(source, 6, {}, progress),
+                    three = ttfFeaturesApart(source, 3, {}, progress);
+  EXPECT_EQ(six.features.channels(), 6);
+  EXPECT_LT(six.relative_error, three.relative_error);
+  EXPECT_GE(six.relative_error, ttfFeatures(source, 6, {}, progress).relative_error - 1e-6);
+}
+
 }  // namespace
 }  // namespace patina::quilting
