@@ -20,6 +20,7 @@ constexpr double kPaceWeight = 0.6, kTrendWeight = 0.3;  // of the specimen's co
 constexpr double kSudden = 0.02;                         // beyond this a pace is a shock ...
 constexpr double kQuickening = 3;    // ... but for so many times what the last shot was off by
 constexpr double kOfTheTiles = 0.2;  // of the tiles' own usual change, their median may be off by
+constexpr double kOfTheLast = 0.3;   // ... and of what the last shot was off by, the next one
 constexpr float kMostSurprise = 4;   // deviations that one shot may add to a tile's own
 
 struct Grid {
@@ -171,8 +172,9 @@ ContentJudgement judgeContent(const ContentSeries& series, const TileLevels& til
   if (!common) return j;
   j.known = true;
   j.common = std::expm1(*common - series.common_bias - series.common_trend);
-  j.common_noise = std::max(
-      {o.common_noise, kToSigma * series.common_deviation, kOfTheTiles * series.usual_rms});
+  j.common_noise =
+      std::max({o.common_noise, kToSigma * series.common_deviation, kOfTheTiles * series.usual_rms,
+                kOfTheLast * std::abs(series.last_apart)});
   std::vector<float> moved;
   for (std::size_t i = 0; i < tiles.level.size(); ++i) {
     if (!innovations[i]) continue;
