@@ -159,6 +159,11 @@ void checkSet(const StbrdfSet& set, const std::string& where) {
   }
 }
 
+bool isStbrdfSet(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_regular_file(folder / fileName("Diffuse", 0), error);
+}
+
 StbrdfSet readStbrdfSet(const fs::path& folder, Progress& progress) {
   StbrdfSet set = outlineOf(folder);
   if (set.degree < 0 || set.degree > kDegreeMax) checkSet(set, folder.string() + ": ");

@@ -16,6 +16,9 @@
 
 namespace patina::stbrdf {
 
+// Whether a folder holds coefficients over time: Diffuse-0.exr is there.
+bool isStbrdfSet(const std::filesystem::path& folder);
+
 // Throws ProcessingError(kBadData): no set, a coefficient missing, sizes that differ, a value that
 // is no number, and maps that leave their range by more than its width.
 StbrdfSet readStbrdfSet(const std::filesystem::path& folder, Progress& progress);

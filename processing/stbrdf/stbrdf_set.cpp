@@ -30,6 +30,30 @@ Image<float> evaluate(const TimeMap& map, Basis basis, double t, Clamp clamp) {
   return out;
 }
 
+Image<float> evaluate(const TimeMap& map, Basis basis, ImageView<const float> times, Clamp clamp) {
+  PATINA_CHECK(!map.coefficients.empty() && map.coefficients[0].size() == times.size() &&
+               times.channels == 1);
+  const int degree = static_cast<int>(map.coefficients.size()) - 1;
+  const Image<float>& first = map.coefficients[0];
+  Image<float> out(first.width(), first.height(), first.channels());
+  forEachRow(first.height(), std::int64_t{first.width()} * first.channels() * (degree + 1) * 4,
+             [&](int y) {
+               double values[kTermsMax];
+               for (int x = 0; x < first.width(); ++x) {
+                 basisValues(basis, degree, times.at(x, y), values);
+                 for (int c = 0; c < first.channels(); ++c) {
+                   double sum = 0;
+                   for (int k = 0; k <= degree; ++k)
+                     sum += values[k] * map.coefficients[static_cast<std::size_t>(k)].at(x, y, c);
+                   const auto value = static_cast<float>(sum);
+                   out.at(x, y, c) =
+                       clamp == Clamp::kToRange ? std::clamp(value, map.low, map.high) : value;
+                 }
+               }
+             });
+  return out;
+}
+
 void convert(StbrdfSet& set, Basis basis) {
   if (set.basis == basis) return;
   const int n = set.degree + 1;

@@ -37,6 +37,8 @@ enum class Clamp { kNone, kToRange };
 
 // The map at time t in [0,1]: one pass over its coefficients.
 Image<float> evaluate(const TimeMap& map, Basis basis, double t, Clamp clamp);
+// Every texel at a time of its own: `times` [h][w][1] in [0,1], of the map's size.
+Image<float> evaluate(const TimeMap& map, Basis basis, ImageView<const float> times, Clamp clamp);
 
 // The same polynomials in the other basis; in float64 inside.
 void convert(StbrdfSet& set, Basis basis);

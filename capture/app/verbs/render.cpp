@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr int kStripTimes = 5;
 
 struct Options {
-  std::string in, out, strip, light = "0,0,1";
+  std::string in, out, strip, light = "0,0,1", local_rate, local_start;
   bool top = false;
   std::optional<double> time;
   std::optional<SizePx> size;
@@ -109,8 +109,8 @@ double writePicture(Context& context, const Options& options, scene::ScenePictur
 
 void render(Context& context, const Options& options) {
   if (fs::is_directory(options.in)) {
-    renderSet(context,
-              {options.in, options.light, options.out, options.time.value_or(0.5), options.top});
+    renderSet(context, {options.in, options.light, options.out, options.time.value_or(0.5),
+                        options.top, options.local_rate, options.local_start});
     return;
   }
   check(options);
@@ -145,7 +145,7 @@ void addRenderVerb(Verb root) {
             "light (SET --top --light 0.2,-0.24,0.95)",
             "patina render scene.toml --time 0.5 --out scene.png",
             [o](Context& context) { render(context, *o); })
-      .required("SCENE", o->in, "A scene's .toml file, or the folder of a BRDF set")
+      .required("SCENE", o->in, "A scene's .toml file, or the folder of a BRDF or ST-BRDF set")
       .flag("--top", o->top, "A set seen from straight above")
       .option("--light", o->light, "X,Y,Z",
               "Of a set: direction to the light; right, up, to the camera (default: 0,0,1)")
@@ -161,6 +161,10 @@ void addRenderVerb(Verb root) {
             return share;
           },
           "T", "Share of the whole, of a picture (default: 0.5)")
+      .option("--local-rate", o->local_rate, "FILE",
+              "Of an ST-BRDF set: how many times as fast each texel ages, a map")
+      .option("--local-start", o->local_start, "FILE",
+              "Of an ST-BRDF set: how old each texel is when it begins, a map")
       .option("--frames", o->frames, 1, 100'000, "Of a film, evenly over the whole (default: 96)")
       .option("--rate", o->rate, 0.1, 240.0, "Frames a second (default: 24)")
       .option("--crf", o->quality_crf, 0, 51,

@@ -3,11 +3,15 @@
 
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
+#include "capture/app/verbs/stbrdf_verbs.h"
 #include "capture/workflow/reflectance_fit.h"
 #include "processing/brdf/brdf_file.h"
+#include "processing/brdf/relight.h"
 #include "processing/image/encoding.h"
 #include "processing/image/picture_file.h"
+#include "processing/stbrdf/stbrdf_file.h"
 
 namespace patina::app {
 namespace {
@@ -46,6 +50,33 @@ void write(const workflow::SetPicture& seen, const std::filesystem::path& out) {
   writePng(out, bytes.view());
 }
 
+struct Seen {
+  workflow::SetPicture picture;
+  std::optional<double> time;  // of a set with several
+};
+
+Seen seenOverTime(Context& context, const RenderSetOptions& options, const brdf::Vec3& light) {
+  const stbrdf::StbrdfSet set = stbrdf::readStbrdfSet(options.set, context.progress);
+  const stbrdf::Material material =
+      materialAt(set, localTime(options.time, options.rate, options.start, set.size()));
+  brdf::SurfaceLight from;
+  from.direction = light;
+  return {{brdf::relight(material.maps, material.info, from), false}, options.time};
+}
+
+Seen seenAtStep(const RenderSetOptions& options, const brdf::Vec3& light) {
+  if (!options.rate.empty() || !options.start.empty())
+    throw AppError(Exit::kUsage, options.set +
+                                     " holds no polynomials of time: --local-rate and "
+                                     "--local-start are for sets of `stbrdf fit`");
+  const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(options.set);
+  if (info.times.empty()) return {workflow::pictureOfSet(options.set, 0, light), std::nullopt};
+  const int step = brdf::nearestStep(
+      info, info.times.front() + options.time * (info.times.back() - info.times.front()));
+  return {workflow::pictureOfSet(options.set, step, light),
+          info.times[static_cast<std::size_t>(step)]};
+}
+
 }  // namespace
 
 void renderSet(Context& context, const RenderSetOptions& options) {
@@ -54,20 +85,16 @@ void renderSet(Context& context, const RenderSetOptions& options) {
     throw AppError(Exit::kUsage, "--out is '" + options.out + "'; it ends in .png or .exr");
   if (!options.top) throw AppError(Exit::kUsage, "a set is seen from straight above: give --top");
   const brdf::Vec3 light = lightOf(options.light);
-  const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(options.set);
-  const double time =
-      info.times.empty()
-          ? 0
-          : info.times.front() + options.time * (info.times.back() - info.times.front());
-  const int step = brdf::nearestStep(info, time);
-  const workflow::SetPicture seen = workflow::pictureOfSet(options.set, step, light);
-  write(seen, options.out);
+  const Seen seen = stbrdf::isStbrdfSet(options.set) ? seenOverTime(context, options, light)
+                                                     : seenAtStep(options, light);
+  write(seen.picture, options.out);
   context.out.asList();
   Item item;
   item.set("path", options.out.c_str());
-  item.set("width_px", seen.picture.width()).set("height_px", seen.picture.height());
-  if (!info.times.empty()) item.set("time", Value{info.times[static_cast<std::size_t>(step)]});
-  item.set("residual", Value{seen.stored});
+  item.set("width_px", seen.picture.picture.width());
+  item.set("height_px", seen.picture.picture.height());
+  if (seen.time) item.set("time", Value{*seen.time});
+  item.set("residual", Value{seen.picture.stored});
   context.out.add(std::move(item));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "capture/app/context.h"
+#include "processing/stbrdf/material.h"
 #include "processing/stbrdf/samples_file.h"
 
 namespace patina::app {
@@ -15,6 +16,10 @@ void addStbrdfReportVerb(Verb stbrdf);
 void addStbrdfEvaluateVerb(Verb stbrdf);
 void addStbrdfConvertVerb(Verb stbrdf);
 void addStbrdfEnlargeVerb(Verb stbrdf);
+
+// A time of every texel's own from maps (grey_picture.h), brought to `size`; without a name: none.
+stbrdf::LocalTime localTime(double time, const std::string& rate, const std::string& start,
+                            SizePx size);
 
 // The samples named on a command line; warns where nothing tells their times.
 stbrdf::SampleSet openSamples(const Context& context, const std::vector<std::string>& inputs);

@@ -6,6 +6,7 @@
 #include "processing/brdf/brdf_file.h"
 #include "processing/image/picture_file.h"
 #include "tests/capture/app/json_answer.h"
+#include "tests/capture/app/stbrdf_steps.h"
 
 namespace patina::testing {
 namespace {
@@ -43,6 +44,36 @@ TEST(RenderSet, ShowsTheStepNearestToATime) {
   const std::string out = folder / "late.png";
   EXPECT_EQ(runPatina({"render", folder / "set", "--top", "--time", "0.7", "--out", out}).exit, 0);
   EXPECT_NEAR(readPicture(out).linear.at(0, 0), 0.8f, 0.01f);
+}
+
+// White to the right: those texels age, the others stay as they were.
+TEST(RenderSet, ShowsAMaterialThatAgesByAMapOfLocalTime) {
+  const TempFolder folder = TempFolder::inMemory();
+  const std::string set = folder / "set";
+  ASSERT_EQ(
+      runPatina({"stbrdf", "fit", plantSteps(folder / "steps", 5), "--degree", "2", "--out", set})
+          .exit,
+      0);
+  Image<float> map(8, 6, 1, 0);
+  for (int y = 0; y < 6; ++y)
+    for (int x = 4; x < 8; ++x) map.at(x, y) = 1;
+  writeExr(folder / "map.exr", map.view());
+  const std::string out = folder / "lit.exr";
+  const auto lit = [&](const std::vector<std::string>& with) {
+    std::vector<std::string> all{"render", set, "--top", "--time", "1", "--out", out};
+    all.insert(all.end(), with.begin(), with.end());
+    const Finished finished = runPatina(all);
+    EXPECT_EQ(finished.exit, 0) << finished.err;
+    return readPicture(out).linear;
+  };
+  const Image<float> late = lit({}), mapped = lit({"--local-rate", folder / "map.exr"});
+  EXPECT_NEAR(mapped.at(6, 3, 1), late.at(6, 3, 1), 1e-5);
+  EXPECT_LT(mapped.at(1, 3, 1), 0.5f * late.at(1, 3, 1));
+  brdf::writeBrdfSet(folder / "plain", lambert(), flat(1));
+  EXPECT_THAT(runPatina({"render", folder / "plain", "--top", "--local-rate", folder / "map.exr",
+                         "--out", out})
+                  .err,
+              HasSubstr("no polynomials of time"));
 }
 
 TEST(RenderSet, RefusesALightThatIsNoneOrBehind) {
