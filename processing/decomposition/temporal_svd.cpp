@@ -19,6 +19,11 @@ namespace {
 
 constexpr Index kBlockFloats = 16 << 20;  // 64 MiB of samples at a time
 constexpr Index kOversampling = 16;       // columns beyond the rank, so that its last is found well
+constexpr Index kColumnUnit = 8;          // what BLAS multiplies at once
+constexpr Index kUnlearned = 4;           // columns that stay random, in case a start misleads
+constexpr int kLearning = 3;              // iterations on the first block
+constexpr int kRounds = 4;                // at most, of two passes
+constexpr double kCertain = 1e-4;         // error of singular values, of the first
 constexpr Index kGramColumns = 4;         // times as many as are sought: the exact way costs less
 
 // Calls use(first, block) over all texels, once a pass.
@@ -86,37 +91,80 @@ class Moments {
   std::vector<double> sum_, squares_;
 };
 
-// One decomposition: two passes, and what is between and after them.
+// One decomposition: two passes, and what is between and after them. Where the second shows that
+// the range was not found well enough, both again from what was found.
 class Decomposition {
  public:
   Decomposition(Index m, Index n, const SvdOptions& options)
       : m_(m), n_(n), options_(options), moments_(n), offset_(n) {
-    const Index columns = std::min(n, options.rank + kOversampling);
-    if (n <= kGramColumns * columns)
-      gram_.emplace(n);
-    else
-      sketch_.emplace(n, columns);
+    const Index wanted = options.rank + kOversampling;
+    columns_ = std::min(n, (wanted + kColumnUnit - 1) / kColumnUnit * kColumnUnit);
+    if (n <= kGramColumns * columns_) gram_.emplace(n);
   }
 
   TemporalSvd run(const Pass& first, const Pass& second) {
-    first([&](Index, const SampleBlock& block) {
+    first([&](Index at, const SampleBlock& block) {
       moments_.add(block);
-      if (gram_) gram_->add(block);
-      if (sketch_) sketch_->add(block);
+      if (gram_) {
+        gram_->add(block);
+        return;
+      }
+      if (at == 0) sketch_.emplace(n_, learned(block));
+      sketch_->add(block);
     });
     if (!moments_.isFinite())
       throw ProcessingError(Exit::kBadData,
                             "singular value decomposition: the input holds NaN or infinity");
-    const std::vector<double> mean = moments_.mean(m_), variance = moments_.variance(m_);
+    const std::vector<double> mean = moments_.mean(m_);
     if (options_.centre) offset_ = mean;
     svd_.mean.assign(offset_.begin(), offset_.end());
-    svd_.weight = options_.weigh ? options_.weigh(mean, variance)
-                                 : std::vector<float>(static_cast<std::size_t>(n_), 1.0f);
-    gram_ ? byGram(second) : bySketch(second);
+    svd_.weight = weightOf(moments_, m_);
+    if (gram_)
+      byGram(second);
+    else
+      bySketch(first, second);
     return std::move(svd_);
   }
 
  private:
+  std::vector<float> weightOf(const Moments& moments, Index m) const {
+    return options_.weigh ? options_.weigh(moments.mean(m), moments.variance(m))
+                          : std::vector<float>(static_cast<std::size_t>(n_), 1.0f);
+  }
+
+  // Where subspace iteration starts: the leading directions of the first block, nearly, which are
+  // much of the way to those of all; and some columns of chance, in case that block is unlike.
+  std::vector<float> learned(const SampleBlock& block) const {
+    std::vector<float> omega = randomColumns(n_, columns_);
+    const std::vector<float> random = omega;
+    Moments moments(n_);
+    moments.add(block);
+    if (!moments.isFinite()) return omega;  // all will be refused
+    const std::vector<double> mean =
+        options_.centre ? moments.mean(block.count) : std::vector<double>(n_);
+    const std::vector<float> weight = weightOf(moments, block.count);
+    for (int i = 0; i < kLearning; ++i) {
+      RangeSketch sketch(n_, std::move(omega));
+      sketch.add(block);
+      omega = unweighed(sketch.range(block.count, mean, weight).basis, weight);
+    }
+    const float size = 1 / std::sqrt(static_cast<float>(n_));
+    for (Index j = 0; j < n_; ++j)
+      for (Index k = columns_ - kUnlearned; k < columns_; ++k)
+        omega[j * columns_ + k] = weight[j] * size * random[j * columns_ + k];
+    return omega;
+  }
+
+  // What T multiplies in place of T W.
+  std::vector<float> unweighed(const std::vector<double>& basis,
+                               std::span<const float> weight) const {
+    std::vector<float> omega(basis.size());
+    for (Index j = 0; j < n_; ++j)
+      for (Index k = 0; k < columns_; ++k)
+        omega[j * columns_ + k] = static_cast<float>(weight[j] * basis[j * columns_ + k]);
+    return omega;
+  }
+
   void byGram(const Pass& second) {
     gram_->centreAndWeigh(m_, offset_, svd_.weight);
     const double total = gram_->trace();
@@ -128,20 +176,46 @@ class Decomposition {
       for (Index k = 0; k < svd_.rank; ++k) basis[j * svd_.rank + k] = eigen.vectors[k * n_ + j];
     setBasis(basis);
     svd_.scores =
-        scoresOn(std::vector<double>(svd_.basis.begin(), svd_.basis.end()), second).taken();
+        scoresOn(std::vector<double>(svd_.basis.begin(), svd_.basis.end()), second).byTexel();
   }
 
   // Rayleigh and Ritz: the best that the sketched range offers.
-  void bySketch(const Pass& second) {
-    const std::vector<double> range = sketch_->basis(m_, offset_, svd_.weight);
-    sketch_.reset();
-    const Index l = static_cast<Index>(range.size()) / n_;
-    Scores scores = scoresOn(range, second);
-    std::vector<double> vectors = scores.gram(), values(static_cast<std::size_t>(l));
-    const int size = static_cast<int>(l);
-    const int failed =
-        LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', size, vectors.data(), size, values.data());
-    PATINA_CHECK(failed == 0);
+  void bySketch(const Pass& first, const Pass& second) {
+    for (int round = 1;; ++round) {
+      const RangeSketch::Range range = sketch_->range(m_, offset_, svd_.weight);
+      sketch_.reset();
+      const Scores scores = scoresOn(range.basis, second);
+      std::vector<double> vectors = scores.gram(), values(static_cast<std::size_t>(columns_));
+      const int l = static_cast<int>(columns_);
+      const int failed =
+          LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', l, vectors.data(), l, values.data());
+      PATINA_CHECK(failed == 0);
+      if (round == kRounds || errorOf(values, range.squared_singular_values) <= kCertain)
+        return settle(range.basis, scores, vectors, values);
+      sketch_.emplace(n_, unweighed(range.basis, svd_.weight));
+      first([&](Index, const SampleBlock& block) { sketch_->add(block); });
+    }
+  }
+
+  // How far the singular values up to the rank may be off, of the first. A multiplication by T^t T
+  // leaves of their squares' errors a share below (s_l / s_k)^4, and takes what `now` has above
+  // `before`; the square root of that share is reckoned with, since not all columns have converged.
+  double errorOf(const std::vector<double>& now, const std::vector<double>& before) const {
+    const double first = std::sqrt(std::max(0.0, now.back())), last = std::max(0.0, now.front());
+    if (!(first > 0)) return 0;
+    double error = 0;
+    for (Index k = columns_ - options_.rank; k < columns_; ++k) {
+      if (!(now[k] > kRounding * now.back())) continue;
+      const double gained = std::sqrt(now[k]) - std::sqrt(std::max(0.0, before[k]));
+      error = std::max(error, gained * last / now[k]);
+    }
+    return error / first;
+  }
+
+  // `vectors` of S^t S a row each, `values` rising.
+  void settle(const std::vector<double>& range, const Scores& scores,
+              const std::vector<double>& vectors, std::vector<double> values) {
+    const Index l = columns_;
     std::reverse(values.begin(), values.end());
     for (double& v : values) v = std::max(v, 0.0);
     choose(values, moments_.energy(m_, offset_, svd_.weight));
@@ -156,7 +230,7 @@ class Decomposition {
     std::vector<float> turned(rotation.size());
     for (std::size_t i = 0; i < turned.size(); ++i)
       turned[i] = static_cast<float>(rotation[i] * signs[i % k]);
-    svd_.scores = std::move(scores).rotated(turned, k);
+    svd_.scores = scores.rotated(turned, k);
   }
 
   // The second pass: T's texels, centred and weighed, on the columns of `basis` [n][l].
@@ -210,7 +284,9 @@ class Decomposition {
     return signs;
   }
 
-  Index m_, n_;
+  static constexpr double kRounding = 1e-10;  // of squares: below, there is nothing to find
+
+  Index m_, n_, columns_ = 0;
   const SvdOptions& options_;
   Moments moments_;
   std::vector<double> offset_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Singular value decomposition of a tall matrix T [m texels][n time samples], streamed by blocks of
 // texels: T ~ U S V^t, U S = T V. Enrique et al. 2005, (4)-(5). Few columns: by the Gram matrix
-// (method of snapshots), exact. Many: by subspace iteration from a random start, one pass for
-// T^t T Omega and one for the Rayleigh-Ritz step (Halko et al. 2011, algorithm 4.4 in two passes).
+// (method of snapshots), exact. Many: by subspace iteration, one pass for T^t T Omega and one for
+// the Rayleigh-Ritz step (Halko et al. 2011, algorithm 4.4 in two passes). We depart in Omega,
+// which is random only for the first block and then learned from it, and in asking afterwards how
+// far the singular values may be off: where that is too far, both passes come again.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +17,13 @@
 namespace patina::decomposition {
 
 // Fills `block` [n][count] with texels [first, first + count) of T: a row is a sample of time, as
-// frames lie in files. Called from one thread, in order, twice over all texels.
+// frames lie in files. Called from one thread, in order, twice over all texels, rarely up
+// to eight times.
 using SampleSource =
     std::function<void(std::int64_t first, std::int64_t count, std::span<float> block)>;
 
 // What a column of T is multiplied by, from the mean and the variance of each over all texels;
-// called once, after the first pass.
+// called after the first pass, and perhaps on the first block before.
 using Weigh = std::function<std::vector<float>(std::span<const double> mean,
                                                std::span<const double> variance)>;
 
@@ -35,8 +38,8 @@ struct SvdOptions {
 struct TemporalSvd {
   int rank = 0;
   std::vector<float> scores;  // [m][rank]: rows of U, weighted by the singular values
-  // Falling: all n, or where n is large the leading rank + 16, those up to `rank` within 1e-4 of
-  // the first.
+  // Falling: all n, or where n is large the leading rank + 16 or a few more, those up to `rank`
+  // within 1e-4 of the first.
   std::vector<double> singular_values;
   std::vector<float> basis;           // [n][rank]: V; each column's largest entry is positive
   std::vector<float> mean, weight;    // [n]; zeros unless centred, ones unless weighed

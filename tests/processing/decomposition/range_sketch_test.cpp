@@ -34,9 +34,10 @@ std::vector<double> meanOf(std::span<const float> all) {
 TEST(RangeSketch, SpansAllThatIsThereOnceTheMeanIsOut) {
   const std::vector<float> all = planted();
   const std::vector<double> mean = meanOf(all);
-  RangeSketch sketch(kTimes, kColumns);
+  RangeSketch sketch(kTimes, randomColumns(kTimes, kColumns));
   sketch.add({all.data(), kTexels, kTexels});
-  const std::vector<double> basis = sketch.basis(kTexels, mean, std::vector<float>(kTimes, 1));
+  const std::vector<double> basis =
+      sketch.range(kTexels, mean, std::vector<float>(kTimes, 1)).basis;
   double left = 0, whole = 0;
   for (Index i = 0; i < kTexels; i += 97) {
     std::vector<double> texel(kTimes);
@@ -73,7 +74,7 @@ TEST(Scores, AreProjectionsLessTheirOffsetAndTurnAsTold) {
   for (Index i = 0; i < kTexels; ++i) cross += own[i * 2] * own[i * 2 + 1];
   EXPECT_NEAR(gram[2], cross, 1e-4 * std::sqrt(gram[0] * gram[3]));
   // A quarter turn: what was second comes first.
-  const std::vector<float> turned = std::move(scores).rotated(std::vector<float>{0, -1, 1, 0}, 2);
+  const std::vector<float> turned = scores.rotated(std::vector<float>{0, -1, 1, 0}, 2);
   for (const Index i : {Index{0}, Index{699}, Index{700}, kTexels - 1}) {
     EXPECT_NEAR(turned[i * 2], own[i * 2 + 1], 1e-3);
     EXPECT_NEAR(turned[i * 2 + 1], -own[i * 2], 1e-3);
