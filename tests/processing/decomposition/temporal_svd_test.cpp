@@ -120,6 +120,41 @@ TEST(TemporalSvd, FindsTheSameInARandomRangeAsThroughTheGramMatrix) {
                   1e-3 * exact.singular_values[0] / std::sqrt(500));
 }
 
+// Singular values that fall slowly: 60 outer products, the weight of number k 1 / (1 + 0.3 k).
+// The first `unlike` texels show something else.
+Matrix slowlyFalling(std::int64_t m, std::int64_t n, std::int64_t unlike) {
+  Matrix a{m, n, std::vector<float>(static_cast<std::size_t>(m * n))};
+  std::vector<double> texel(60);
+  for (std::int64_t i = 0; i < m; ++i) {
+    for (int k = 0; k < 60; ++k)
+      texel[k] = i < unlike ? 0 : gaussian(hashSeed(1, k, i)) / (1 + 0.3 * k);
+    for (std::int64_t j = 0; j < n; ++j) {
+      double v = 1e-3 * gaussian(hashSeed(9, i, j));
+      for (int k = 0; k < 60; ++k) v += texel[k] * gaussian(hashSeed(2, k, j));
+      a.values[i * n + j] = static_cast<float>(v);
+    }
+  }
+  return a;
+}
+
+// As a rank so high that it goes through the Gram matrix finds them.
+void expectSingularValuesWithin(double tolerance, const Matrix& a, std::int64_t block_texels) {
+  const TemporalSvd sketched = run(a, {.rank = 15, .block_texels = block_texels}),
+                    exact = run(a, {.rank = 60});
+  ASSERT_LT(sketched.singular_values.size(), exact.singular_values.size());
+  for (int k = 0; k < 15; ++k)
+    EXPECT_NEAR(sketched.singular_values[k], exact.singular_values[k],
+                tolerance * exact.singular_values[0]);
+}
+
+TEST(TemporalSvd, FindsSingularValuesThatFallSlowly) {
+  expectSingularValuesWithin(1e-4, slowlyFalling(2000, 200, 0), 500);
+}
+
+TEST(TemporalSvd, FindsThemThoughTheFirstBlockShowsSomethingElse) {
+  expectSingularValuesWithin(1e-4, slowlyFalling(2000, 200, 500), 500);
+}
+
 TEST(TemporalSvd, WeighsColumnsByTheirMeanAndVariance) {
   Matrix a = planted(400, 30, 3, 0.1);
   const Weigh weigh = [](std::span<const double> mean, std::span<const double> variance) {
