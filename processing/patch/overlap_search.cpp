@@ -1,59 +1,120 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/patch/overlap_search.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace patina::patch {
 namespace {
 
-constexpr int kLanes = 8;  // of a sum, fixed: the order of additions is part of the result
-constexpr std::size_t kSurvivorsFew = 60;  // to sum: about what correlating a channel costs
-constexpr std::size_t kFirst = 16;         // by bound, to know early what the best costs
-constexpr double kMore = 1 + 1e-9;         // so that no rounding stops a sum at its limit
+// What correlating one more channel costs, in survivors that are summed; a mean over about as many
+// queries as `kMemory` is held against it.
+constexpr double kSurvivorsOfAChannel = 40, kMemory = 32;
+constexpr std::size_t kFirst = 8;        // by bound, to know early what the best costs
+constexpr std::size_t kAlone = 32;       // survivors that are not worth waking another thread
+constexpr double kMore = 1 + 1e-9;       // so that no rounding stops a sum at its limit
+constexpr double kBoundRounding = 1e-6;  // of a weighted bound in float
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Rounding of a correlation by float FFT, relative to the product of the planes' norms. FFTW's
 // error is about 2e-7 for any length; a factor of 5 is left.
 constexpr double kRounding = 1e-6;
 
-// Sum of (a - b)^2 in lanes, so that any machine adds in the same order.
+// Eight at a time in four sums, so that any machine adds in the same order.
+using Lanes [[gnu::vector_size(32)]] = float;
+
+[[gnu::always_inline]] inline void addEight(const float* a, const float* b, Lanes& sum) {
+  Lanes u, v;
+  std::memcpy(&u, a, sizeof u);
+  std::memcpy(&v, b, sizeof v);
+  sum += (u - v) * (u - v);
+}
+
 [[gnu::always_inline]] inline float squaredDifferenceInLanes(const float* a, const float* b,
                                                              int count) {
-  float lanes[kLanes] = {};
+  Lanes s0{}, s1{}, s2{}, s3{};
   int i = 0;
-  for (; i + kLanes <= count; i += kLanes)
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const float d = a[i + lane] - b[i + lane];
-      lanes[lane] += d * d;
-    }
+  for (; i + 32 <= count; i += 32) {
+    addEight(a + i, b + i, s0);
+    addEight(a + i + 8, b + i + 8, s1);
+    addEight(a + i + 16, b + i + 16, s2);
+    addEight(a + i + 24, b + i + 24, s3);
+  }
+  for (; i + 8 <= count; i += 8) addEight(a + i, b + i, s0);
   float rest = 0;
   for (; i < count; ++i) rest += (a[i] - b[i]) * (a[i] - b[i]);
-  return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +
-         ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7])) + rest;
+  const Lanes s = (s0 + s1) + (s2 + s3);
+  return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])) + rest;
+}
+
+// bounds[x] = weight[x] * (floor + max(0, correlation[x] + energy[x] + constant)); the least of
+// them. No weights: 1.
+struct BoundRow {
+  const float *correlation, *energy, *weight;
+  float constant, floor;
+};
+[[gnu::always_inline]] inline float boundsInLanes(const BoundRow& in, int count, float* bounds) {
+  for (int x = 0; x < count; ++x) {
+    const float distance = in.correlation[x] + in.energy[x] + in.constant;
+    bounds[x] = in.floor + (distance > 0 ? distance : 0);
+  }
+  if (in.weight)
+    for (int x = 0; x < count; ++x) bounds[x] *= in.weight[x];
+  constexpr int kLanes = 8;
+  float least[kLanes];
+  std::fill(least, least + kLanes, std::numeric_limits<float>::infinity());
+  int x = 0;
+  for (; x + kLanes <= count; x += kLanes)
+    for (int lane = 0; lane < kLanes; ++lane)
+      least[lane] = bounds[x + lane] < least[lane] ? bounds[x + lane] : least[lane];
+  for (; x < count; ++x) least[0] = bounds[x] < least[0] ? bounds[x] : least[0];
+  return *std::min_element(least, least + kLanes);
 }
 
 using SquaredDifference = float (*)(const float*, const float*, int);
+using Bounds = float (*)(const BoundRow&, int, float*);
 float squaredDifferencePlain(const float* a, const float* b, int count) {
   return squaredDifferenceInLanes(a, b, count);
+}
+float boundsPlain(const BoundRow& in, int count, float* bounds) {
+  return boundsInLanes(in, count, bounds);
 }
 #if defined(__x86_64__)
 // The same additions, eight at a time.
 [[gnu::target("avx2")]] float squaredDifferenceAvx2(const float* a, const float* b, int count) {
   return squaredDifferenceInLanes(a, b, count);
 }
+[[gnu::target("avx2"), gnu::optimize("O3")]] float boundsAvx2(const BoundRow& in, int count,
+                                                              float* bounds) {
+  return boundsInLanes(in, count, bounds);
+}
 const SquaredDifference squaredDifference =
     __builtin_cpu_supports("avx2") ? squaredDifferenceAvx2 : squaredDifferencePlain;
+const Bounds boundsOfRow = __builtin_cpu_supports("avx2") ? boundsAvx2 : boundsPlain;
 #else
 const SquaredDifference squaredDifference = squaredDifferencePlain;
+const Bounds boundsOfRow = boundsPlain;
 #endif
 
-// Calls use(row, first, end) for each run of known texels, in raster order.
-template <class Use>
-void forRuns(ImageView<const std::uint8_t> known, const Use& use) {
+double weightAt(const SearchTerms& terms, int x, int y) {
+  return terms.weight.empty() ? 1.0 : terms.weight.at(x, y);
+}
+
+bool isSame(ImageView<const std::uint8_t> a, ImageView<const std::uint8_t> b) {
+  if (a.size() != b.size()) return false;
+  for (int y = 0; y < a.height; ++y)
+    if (!std::equal(a.row(y), a.row(y) + a.width, b.row(y))) return false;
+  return true;
+}
+
+}  // namespace
+
+// In raster order.
+std::vector<OverlapSearch::Run> OverlapSearch::runsOf(ImageView<const std::uint8_t> known) {
+  std::vector<Run> runs;
   for (int y = 0; y < known.height; ++y)
     for (int x = 0; x < known.width;) {
       if (!known.at(x, y)) {
@@ -62,16 +123,11 @@ void forRuns(ImageView<const std::uint8_t> known, const Use& use) {
       }
       int end = x;
       while (end < known.width && known.at(end, y)) ++end;
-      use(y, x, end);
+      runs.push_back({y, x, end});
       x = end;
     }
+  return runs;
 }
-
-double weightAt(const SearchTerms& terms, int x, int y) {
-  return terms.weight.empty() ? 1.0 : terms.weight.at(x, y);
-}
-
-}  // namespace
 
 OverlapSearch::OverlapSearch(ImageView<const float> features, SizePx block)
     : features_(features),
@@ -90,148 +146,144 @@ void OverlapSearch::correlateAtLeast(int channels) {
   if (channels <= from) return;
   channel_.resize(channels);
   channel_norm_.resize(channels);
+  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * stride + x; };
+  const std::size_t padded = at(0, height);
   tbb::parallel_for(from, channels, [&](int c) {
+    Spectra::Plane plane(padded);
     double norm = 0;
-    const auto fill = [&](float* plane) {
-      for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-          const float v = features_.at(x, y, c);
-          plane[static_cast<std::size_t>(y) * stride + x] = v;
-          norm += static_cast<double>(v) * v;
-        }
-    };
-    spectra_.forward(height, fill, channel_[c]);
-    channel_norm_[c] = std::sqrt(norm);
-  });
-  double norm = 0;
-  const auto fill = [&](float* plane) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        float& e = energy_plane_[static_cast<std::size_t>(y) * width + x];
-        for (int c = from; c < channels; ++c) e += features_.at(x, y, c) * features_.at(x, y, c);
-        plane[static_cast<std::size_t>(y) * stride + x] = e;
-        norm += static_cast<double>(e) * e;
+        const float v = features_.at(x, y, c);
+        plane[at(x, y)] = v;
+        norm += static_cast<double>(v) * v;
       }
-  };
-  spectra_.forward(height, fill, energy_);
+    spectra_.forward(plane, channel_[c]);
+    channel_norm_[c] = std::sqrt(norm);
+  });
+  Spectra::Plane plane(padded);
+  double norm = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float& e = energy_plane_[static_cast<std::size_t>(y) * width + x];
+      for (int c = from; c < channels; ++c) e += features_.at(x, y, c) * features_.at(x, y, c);
+      plane[at(x, y)] = e;
+      norm += static_cast<double>(e) * e;
+    }
+  energy_.resize(1);
+  spectra_.forward(plane, energy_[0]);
   energy_norm_ = std::sqrt(norm);
   correlated_ = channels;
 }
 
-namespace {
-
-// sum += factor * f * conj(t). Written out: operator* of std::complex checks for infinities.
-void addProduct(const Spectra::Spectrum& f, const Spectra::Spectrum& t, float factor,
-                const tbb::blocked_range<std::size_t>& range, Spectra::Spectrum& sum) {
-  const float *u = reinterpret_cast<const float*>(f.data()),
-              *v = reinterpret_cast<const float*>(t.data());
-  float* out = reinterpret_cast<float*>(sum.data());
-  for (std::size_t i = 2 * range.begin(); i < 2 * range.end(); i += 2) {
-    out[i] += factor * (u[i] * v[i] + u[i + 1] * v[i + 1]);
-    out[i + 1] += factor * (u[i + 1] * v[i] - u[i] * v[i + 1]);
-  }
-}
-
-}  // namespace
-
-void OverlapSearch::prepareEnergies(ImageView<const std::uint8_t> known) {
-  if (known_channels_ == correlated_ && known_.texels() == copyOf(known).texels()) return;
+void OverlapSearch::prepare(ImageView<const std::uint8_t> known) {
+  if (known_channels_ == correlated_ && isSame(known_.view(), known)) return;
   known_ = copyOf(known);
   known_channels_ = correlated_;
   known_texels_ = 0;
+  runs_ = runsOf(known);
   const int stride = spectra_.padded().width;
-  Spectra::Spectrum mask;
-  const auto fill = [&](float* plane) {
-    forRuns(known, [&](int y, int first, int end) {
-      std::fill(plane + static_cast<std::size_t>(y) * stride + first,
-                plane + static_cast<std::size_t>(y) * stride + end, 1.0f);
-      known_texels_ += end - first;
-    });
-  };
-  spectra_.forward(block_.height, fill, mask);
-  Spectra::Spectrum sum(energy_.size());
-  addProduct(energy_, mask, 1, {0, sum.size()}, sum);
-  spectra_.inverse(sum, energies_);
+  const std::size_t rows = static_cast<std::size_t>(block_.height) * stride;
+  target_.assign(correlated_, Spectra::Plane(rows));
+  std::vector<Spectra::Plane> mask{Spectra::Plane(rows)};
+  for (const Run& run : runs_) {
+    float* row = mask[0].data() + static_cast<std::ptrdiff_t>(run.y) * stride;
+    std::fill(row + run.first, row + run.end, 1.0f);
+    known_texels_ += run.end - run.first;
+  }
+  const auto [columns, count] = corners_;
+  energies_.resize(static_cast<std::size_t>(columns) * count);
+  bounds_.resize(energies_.size());
+  row_least_.resize(count);
+  spectra_.correlate(mask, energy_, 1, count, room_, [&, width = columns](int y, const float* row) {
+    std::copy_n(row, width, energies_.begin() + static_cast<std::ptrdiff_t>(y) * width);
+  });
+}
+
+double OverlapSearch::slackOf(std::span<const double> squares) const {
+  double slack = energy_norm_ * std::sqrt(static_cast<double>(known_texels_));
+  for (int c = 0; c < correlated_; ++c)
+    slack += 2 * channel_norm_[c] * std::sqrt(squares[c]) + squares[c];
+  return kRounding * slack;
 }
 
 // |F - T|^2 = |F|^2 - 2 F T + |T|^2 over the leading channels: one inverse transform for all.
-double OverlapSearch::lowerBounds(const Overlap& overlap) {
-  prepareEnergies(overlap.known);
+void OverlapSearch::lowerBounds(const Overlap& overlap, const SearchTerms& terms) {
+  prepare(overlap.known);
   const int stride = spectra_.padded().width, n = correlated_;
   std::vector<double> squares(n);
-  target_.resize(n);
-  tbb::parallel_for(0, n, [&](int c) {
-    const auto fill = [&](float* plane) {
-      forRuns(overlap.known, [&](int y, int first, int end) {
-        for (int x = first; x < end; ++x) {
-          const float v = overlap.target.at(x, y, c);
-          plane[static_cast<std::size_t>(y) * stride + x] = v;
-          squares[c] += static_cast<double>(v) * v;
-        }
-      });
-    };
-    spectra_.forward(block_.height, fill, target_[c]);
-  });
-  sum_.resize(energy_.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sum_.size(), 4096), [&](const auto& range) {
-    std::fill(sum_.begin() + range.begin(), sum_.begin() + range.end(), std::complex<float>());
-    for (int c = 0; c < n; ++c) addProduct(channel_[c], target_[c], -2, range, sum_);
-  });
-  spectra_.inverse(sum_, bounds_);
-
-  double constant = 0, slack = energy_norm_ * std::sqrt(static_cast<double>(known_texels_));
+  double constant = 0;
   for (int c = 0; c < n; ++c) {
+    for (const Run& run : runs_) {
+      float* row = target_[c].data() + static_cast<std::ptrdiff_t>(run.y) * stride;
+      for (int x = run.first; x < run.end; ++x) {
+        row[x] = overlap.target.at(x, run.y, c);
+        squares[c] += static_cast<double>(row[x]) * row[x];
+      }
+    }
     constant += squares[c];
-    slack += 2 * channel_norm_[c] * std::sqrt(squares[c]);
   }
-  const float all = static_cast<float>(constant);
-  for (std::size_t i = 0; i < bounds_.size(); ++i) bounds_[i] += energies_[i] + all;
-  return kRounding * (slack + constant);
+  const auto all = static_cast<float>(constant - slackOf(squares)),
+             floor = static_cast<float>(terms.floor);
+  const int width = corners_.width;
+  spectra_.correlate(target_, channel_, -2, corners_.height, room_, [&](int y, const float* row) {
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y) * width;
+    const float* weight = terms.weight.empty() ? nullptr : terms.weight.row(y);
+    row_least_[y] =
+        boundsOfRow({row, energies_.data() + at, weight, all, floor}, width, bounds_.data() + at);
+  });
 }
 
 double OverlapSearch::squaredDistance(const Overlap& overlap, int x, int y) const {
-  return distanceUpTo(overlap, x, y, kInfinity);
+  return distanceUpTo(overlap.target, runsOf(overlap.known), x, y, kInfinity);
 }
 
-double OverlapSearch::distanceUpTo(const Overlap& overlap, int x, int y, double limit) const {
+double OverlapSearch::distanceUpTo(ImageView<const float> target, std::span<const Run> runs, int x,
+                                   int y, double limit) const {
   double sum = 0;
-  forRuns(overlap.known, [&](int row, int first, int end) {
-    if (sum > limit) return;
-    sum += squaredDifference(&features_.at(x + first, y + row), &overlap.target.at(first, row),
-                             (end - first) * features_.channels);
-  });
+  for (const Run& run : runs) {
+    if (sum > limit) break;
+    sum += squaredDifference(&features_.at(x + run.first, y + run.y), &target.at(run.first, run.y),
+                             (run.end - run.first) * features_.channels);
+  }
   return sum;
+}
+
+std::vector<Candidate> OverlapSearch::atMost(double limit) const {
+  const auto most = static_cast<float>(limit * (1 + kBoundRounding));
+  std::vector<Candidate> found;
+  for (int y = 0; y < corners_.height; ++y) {
+    if (!(row_least_[y] <= most)) continue;
+    const float* row = bounds_.data() + static_cast<std::ptrdiff_t>(y) * corners_.width;
+    for (int x = 0; x < corners_.width; ++x)
+      if (row[x] <= most) found.push_back({x, y, row[x]});
+  }
+  return found;
+}
+
+void OverlapSearch::learnFrom(std::size_t survivors) {
+  survivors_mean_ += (static_cast<double>(survivors) - survivors_mean_) / kMemory;
+  if (survivors_mean_ <= kSurvivorsOfAChannel || correlated_ == features_.channels) return;
+  correlateAtLeast(correlated_ + 1);
+  survivors_mean_ = 0;
 }
 
 std::vector<Candidate> OverlapSearch::candidates(const Overlap& overlap, const SearchTerms& terms) {
   PATINA_CHECK(overlap.target.size() == block_ && overlap.known.size() == block_ &&
                overlap.target.channels == features_.channels && terms.tolerance >= 0);
-  const double slack = lowerBounds(overlap);
-  const int stride = spectra_.padded().width;
-  const auto boundOf = [&](int x, int y) {
-    const double least = bounds_[static_cast<std::size_t>(y) * stride + x] - slack;
-    return weightAt(terms, x, y) * (terms.floor + std::max(0.0, least));
-  };
+  lowerBounds(overlap, terms);
   // Above `limit` it may come out as anything above it.
-  const auto costOf = [&](int x, int y, double limit) {
-    const double weight = weightAt(terms, x, y);
-    return weight *
-           (terms.floor + distanceUpTo(overlap, x, y, limit / weight * kMore - terms.floor));
+  const auto costOf = [&](const Candidate& c, double limit) {
+    const double weight = weightAt(terms, c.x, c.y), most = limit / weight * kMore - terms.floor;
+    return weight * (terms.floor + distanceUpTo(overlap.target, runs_, c.x, c.y, most));
   };
 
-  Candidate best{-1, -1, kInfinity};  // by bound; its true cost limits all others
-  for (int y = 0; y < corners_.height; ++y)
-    for (int x = 0; x < corners_.width; ++x)
-      if (const double bound = boundOf(x, y); bound < best.cost) best = {x, y, bound};
-  if (best.x < 0) return {};
-  double limit = (1 + terms.tolerance) * costOf(best.x, best.y, kInfinity);
+  // The true cost of the best by bound limits all others.
+  const float least_bound = *std::min_element(row_least_.begin(), row_least_.end());
+  if (!std::isfinite(least_bound)) return {};
+  double limit = (1 + terms.tolerance) * costOf(atMost(least_bound).front(), kInfinity);
 
-  std::vector<Candidate> survivors;  // with their bounds
-  for (int y = 0; y < corners_.height; ++y)
-    for (int x = 0; x < corners_.width; ++x)
-      if (const double bound = boundOf(x, y); bound <= limit) survivors.push_back({x, y, bound});
-  if (survivors.size() > kSurvivorsFew)
-    correlateAtLeast(std::min(features_.channels, correlated_ + 1));
+  std::vector<Candidate> survivors = atMost(limit);
+  learnFrom(survivors.size());
   // Some that promise most are summed first: what they cost spares most of the others.
   std::vector<Candidate> first = survivors;
   const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
@@ -239,14 +291,15 @@ std::vector<Candidate> OverlapSearch::candidates(const Overlap& overlap, const S
   std::nth_element(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(few) - 1, first.end(),
                    cheaper);
   for (std::size_t i = 0; i < few; ++i)
-    limit = std::min(limit, (1 + terms.tolerance) * costOf(first[i].x, first[i].y, limit));
-  std::erase_if(survivors, [&](const Candidate& c) { return !(c.cost <= limit); });
+    limit = std::min(limit, (1 + terms.tolerance) * costOf(first[i], limit));
+  std::erase_if(survivors,
+                [&](const Candidate& c) { return !(c.cost <= limit * (1 + kBoundRounding)); });
 
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, survivors.size(), 16),
-                    [&](const auto& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i)
-                        survivors[i].cost = costOf(survivors[i].x, survivors[i].y, limit);
-                    });
+  const auto sum = [&](std::size_t i) { survivors[i].cost = costOf(survivors[i], limit); };
+  if (survivors.size() < kAlone)
+    for (std::size_t i = 0; i < survivors.size(); ++i) sum(i);
+  else
+    tbb::parallel_for(std::size_t{0}, survivors.size(), sum);
   double least = kInfinity;
   for (const Candidate& c : survivors) least = std::min(least, c.cost);
   std::erase_if(survivors, [&](const Candidate& c) {

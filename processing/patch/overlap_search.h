@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "processing/image/image.h"
@@ -48,30 +49,42 @@ class OverlapSearch {
   double squaredDistance(const Overlap& overlap, int x, int y) const;
 
  private:
-  // Fills bounds_; returns by how much a bound may lie above the true cost (rounding).
-  double lowerBounds(const Overlap& overlap);
+  struct Run {  // of known texels in a row of the block
+    int y, first, end;
+  };
+  static std::vector<Run> runsOf(ImageView<const std::uint8_t> known);
   void correlateAtLeast(int channels);
-  // The energy of the leading channels under the known texels, at every corner.
-  void prepareEnergies(ImageView<const std::uint8_t> known);
+  // Runs and energies of a mask; one that comes again costs nothing.
+  void prepare(ImageView<const std::uint8_t> known);
+  // Fills bounds_ and row_least_: what a corner costs at the least, weighted.
+  void lowerBounds(const Overlap& overlap, const SearchTerms& terms);
+  // By how much rounding may lift a bound, from the targets' squares by channel.
+  double slackOf(std::span<const double> squares) const;
+  std::vector<Candidate> atMost(double limit) const;  // by bound
+  void learnFrom(std::size_t survivors);
   // As squaredDistance(); stops with something above `limit` once it is above it.
-  double distanceUpTo(const Overlap& overlap, int x, int y, double limit) const;
+  double distanceUpTo(ImageView<const float> target, std::span<const Run> runs, int x, int y,
+                      double limit) const;
 
   ImageView<const float> features_;
   SizePx block_, corners_;
   Spectra spectra_;
-  int correlated_ = 0;  // leading channels of which spectra are held
+  int correlated_ = 0;         // leading channels of which spectra are held
+  double survivors_mean_ = 0;  // of the last queries, roughly
   std::vector<Spectra::Spectrum> channel_;
-  std::vector<double> channel_norm_;  // of the plane, for the rounding bound
-  std::vector<float> energy_plane_;   // sum of squares of the leading channels, a texel
-  Spectra::Spectrum energy_;
+  std::vector<double> channel_norm_;       // of the plane, for the rounding bound
+  std::vector<float> energy_plane_;        // sum of squares of the leading channels, a texel
+  std::vector<Spectra::Spectrum> energy_;  // one: of that
   double energy_norm_ = 0;
-  Image<std::uint8_t> known_;  // of the last query: a mask that comes again costs nothing
-  int known_channels_ = 0;     // that energies_ are of
+  Image<std::uint8_t> known_;  // of the last query
+  std::vector<Run> runs_;
+  int known_channels_ = 0;  // that energies_ and target_ are of
   std::int64_t known_texels_ = 0;
-  Spectra::Plane energies_;
-  std::vector<Spectra::Spectrum> target_;  // of a query: kept, so that its memory is
-  Spectra::Spectrum sum_;
-  Spectra::Plane bounds_;  // [padded h][padded w]
+  Spectra::Plane energies_;             // [corner rows][corner columns]
+  std::vector<Spectra::Plane> target_;  // [block h][padded w] a channel, zero where not known
+  Spectra::Room room_;
+  Spectra::Plane bounds_;         // [corner rows][corner columns]
+  std::vector<float> row_least_;  // the least bound of each row of corners
 };
 
 }  // namespace patina::patch

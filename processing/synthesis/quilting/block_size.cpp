@@ -81,13 +81,10 @@ FeatureSize featureSize(ImageView<const float> picture) {
   const patch::Spectra spectra({2 * w, 2 * h});
   patch::Spectra::Spectrum bins;
   const int stride = spectra.padded().width;
-  spectra.forward(
-      h,
-      [&](float* plane) {
-        for (int y = 0; y < h; ++y)
-          std::copy_n(flat.view().row(y), w, plane + static_cast<std::ptrdiff_t>(y) * stride);
-      },
-      bins);
+  patch::Spectra::Plane plane(static_cast<std::size_t>(stride) * h);
+  for (int y = 0; y < h; ++y)
+    std::copy_n(flat.view().row(y), w, plane.data() + static_cast<std::ptrdiff_t>(y) * stride);
+  spectra.forward(plane, bins);
   for (auto& v : bins) v = std::norm(v);
   patch::Spectra::Plane products;
   spectra.inverse(bins, products);
