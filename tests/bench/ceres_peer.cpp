@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fit of brdf_bench.cpp beside Ceres, texel by texel: nine parameters, slopes by automatic
+// differentiation, dense QR. Built on demand (-D PATINA_CERES_PEER=ON), since nothing else needs
+// it.
+#include <benchmark/benchmark.h>
+#include <ceres/ceres.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <vector>
+
+#include "processing/brdf/ggx.h"
+#include "tests/processing/brdf/lit_maps.h"
+
+namespace patina::brdf {
+namespace {
+
+constexpr int kLights = 24, kSide = 48;
+
+const LitSurface& surface() {
+  static const LitSurface kept =
+      lit(rollingMaps(kSide, kSide, {0.15f, 0.3f}), Model::kGgx, dome(kLights));
+  return kept;
+}
+
+void BM_ManyLights(benchmark::State& state) {
+  MultiLightOptions options = calmOptions();
+  options.neighbours = false;
+  double residual = 0;
+  for (auto _ : state) {
+    Progress progress;
+    residual = fitManyLights(surface().samples, options, {}, progress).report.residual_rms;
+  }
+  state.counters["residual_rms"] = residual;
+}
+
+// Parameters: slopes p and q of the normal, ln of alpha, kd and ks of three channels.
+struct Residuals {
+  int x, y;
+  template <class T>
+  bool operator()(const T* p, T* off) const {
+    const T nz = 1.0 / sqrt(1.0 + p[0] * p[0] + p[1] * p[1]), nx = p[0] * nz, ny = p[1] * nz;
+    const T a2 = exp(2.0 * p[2]);
+    for (int i = 0; i < kLights; ++i) {
+      const FitSample& sample = surface().samples[static_cast<std::size_t>(i)];
+      const Vec3& l = sample.light.direction;
+      const Vec3 h = halfway(l, {0, 0, 1});
+      T n_l = nx * double{l.x} + ny * double{l.y} + nz * double{l.z};
+      if (n_l < 1e-3) n_l = T(1e-3);
+      const T n_h = nx * double{h.x} + ny * double{h.y} + nz * double{h.z};
+      const T q = n_h * n_h * (a2 - 1.0) + 1.0;
+      const T lobe =
+          a2 / (M_PI * q * q) * 0.5 /
+          (nz * sqrt(n_l * n_l * (1.0 - a2) + a2) + n_l * sqrt(nz * nz * (1.0 - a2) + a2));
+      const double m = schlickWeight(h.z);
+      for (int c = 0; c < 3; ++c)
+        off[3 * i + c] = double{sample.picture.at(x, y, c)} -
+                         (p[3 + c] + M_PI * lobe * (p[6 + c] * (1 - m) + m)) * n_l;
+    }
+    return true;
+  }
+};
+
+// The cost reached from one start; `p` holds where.
+double solved(int x, int y, double* p) {
+  ceres::Problem problem;
+  problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<Residuals, 3 * kLights, 9>(new Residuals{x, y}), nullptr, p);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  options.max_num_iterations = 100;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return 2 * summary.final_cost;
+}
+
+// A Lambert surface by least squares: where a solver would begin.
+Eigen::Vector3d lambertNormal(int x, int y) {
+  Eigen::Matrix<double, kLights, 3> directions;
+  Eigen::Matrix<double, kLights, 1> levels;
+  for (int i = 0; i < kLights; ++i) {
+    const FitSample& sample = surface().samples[static_cast<std::size_t>(i)];
+    const Vec3& l = sample.light.direction;
+    directions.row(i) << l.x, l.y, l.z;
+    levels[i] = sample.picture.at(x, y, 1);
+  }
+  Eigen::Vector3d n =
+      (directions.transpose() * directions).ldlt().solve(directions.transpose() * levels);
+  n.z() = std::max(n.z(), 0.1 * n.norm());
+  return n;
+}
+
+// The best from so many values of alpha; with few the solver ends in minima of their own.
+void BM_Ceres(benchmark::State& state) {
+  const std::vector<double> all{0.25, 0.12, 0.5, 0.06, 0.18, 0.35, 0.8, 0.09};
+  double square = 0;
+  for (auto _ : state) {
+    square = 0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const Eigen::Vector3d n = lambertNormal(x, y);
+        double best = INFINITY;
+        for (int start = 0; start < state.range(0); ++start) {
+          double p[9] = {
+              n.x() / n.z(), n.y() / n.z(), std::log(all[static_cast<std::size_t>(start)]),
+              0.3,           0.3,           0.3,
+              0.05,          0.05,          0.05};
+          best = std::min(best, solved(x, y, p));
+        }
+        square += best;
+      }
+  }
+  state.counters["residual_rms"] =
+      std::sqrt(square / (static_cast<double>(kSide) * kSide * 3 * kLights));
+}
+
+BENCHMARK(BM_ManyLights)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+BENCHMARK(BM_Ceres)
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(4)
+    ->Arg(8)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime();
+
+}  // namespace
+}  // namespace patina::brdf
+
+BENCHMARK_MAIN();
