@@ -92,7 +92,7 @@ void addBrdfVerbs(Verb root) {
       .option("--leave-out", o->request.leave_out, parseNumbers, "N,N,...",
               "Lights (from 1) that are not fitted but predicted, and the prediction judged")
       .option("--model", o->request.fit.model, parseModel, "NAME",
-              "ggx (default), ward, torrance-sparrow or lambert")
+              "ggx (default), ward, ward-anisotropic, torrance-sparrow or lambert")
       .flag("--no-residual", o->no_residual,
             "Keep nothing but the reflectance: no residual of stored values over the lights")
       .flag("--alone", o->alone, "Texels ask no neighbours for a gloss that they cannot tell")
