@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <numeric>
 
@@ -50,8 +51,8 @@ struct Placement {
   patch::Overlap overlap() const { return {target.view(), known.view()}; }
 };
 
-// Every corner summed in double, in an order of texels that tells far ones early; a sum that has
-// passed the least one by more than a tie is left.
+// Every corner, texels in an order that tells far ones early. A sum in float that has passed the
+// least by a thousandth is left: it errs by a millionth. All others are summed in double.
 class BruteForce {
  public:
   BruteForce(const Image<float>& f, const Case& c) : f_(f), corners_(c.side - c.block + 1) {
@@ -60,24 +61,25 @@ class BruteForce {
         if (x < c.overlap || y < c.overlap) texels_.push_back({x, y});
     for (std::size_t i = texels_.size() - 1; i > 0; --i)
       std::swap(texels_[i], texels_[uniformBelow(hashSeed(4, i), i + 1)]);
+    for (const float* v = f.texels().data(); v != f.texels().data() + f.texels().size(); v += kRank)
+      padded_.push_back(padded(v));
+    for (const SizePx& at : texels_)
+      offset_.push_back(static_cast<std::ptrdiff_t>(at.height) * f.width() + at.width);
   }
-  // The first corner, in raster order, of those that cost the least.
-  std::pair<int, int> best(const Placement& p) const {
-    std::vector<double> costs(static_cast<std::size_t>(corners_) * corners_);
-    double least = std::numeric_limits<double>::infinity();
+  // The first corner, in raster order, of those that cost the least. Of `likely` the cost is looked
+  // at first, so that most others are left early; it decides nothing.
+  std::pair<int, int> best(const Placement& p, std::pair<int, int> likely) const {
+    std::vector<Lanes> target;
+    for (const SizePx& at : texels_) target.push_back(padded(&p.target.at(at.width, at.height)));
+    std::vector<double> costs(static_cast<std::size_t>(corners_) * corners_,
+                              std::numeric_limits<double>::infinity());
+    double least = inDouble(p, likely.first, likely.second);
     for (int y = 0; y < corners_; ++y)
       for (int x = 0; x < corners_; ++x) {
-        double& sum = costs[static_cast<std::size_t>(y) * corners_ + x];
-        for (const SizePx& at : texels_) {
-          const float *a = &f_.at(x + at.width, y + at.height),
-                      *b = &p.target.at(at.width, at.height);
-          for (int k = 0; k < kRank; ++k) {
-            const double d = static_cast<double>(a[k]) - b[k];
-            sum += d * d;
-          }
-          if (sum > least * (1 + kTie)) break;
-        }
-        least = std::min(least, sum);
+        if (isFar(target, x, y, static_cast<float>(1.001 * least))) continue;
+        double& cost = costs[static_cast<std::size_t>(y) * corners_ + x];
+        cost = inDouble(p, x, y);
+        least = std::min(least, cost);
       }
     for (int i = 0; i < corners_ * corners_; ++i)
       if (costs[i] <= least * (1 + kTie)) return {i % corners_, i / corners_};
@@ -85,9 +87,49 @@ class BruteForce {
   }
 
  private:
+  using Four [[gnu::vector_size(16)]] = float;
+  struct Lanes {
+    Four v[4];
+  };
+  static Lanes padded(const float* texel) {
+    float values[16] = {};
+    std::copy_n(texel, kRank, values);
+    Lanes lanes;
+    std::memcpy(&lanes, values, sizeof lanes);
+    return lanes;
+  }
+  bool isFar(const std::vector<Lanes>& target, int x, int y, float limit) const {
+    const Lanes* corner = padded_.data() + static_cast<std::ptrdiff_t>(y) * f_.width() + x;
+    Four a{}, b{}, c{}, d{};
+    for (std::size_t i = 0; i < texels_.size(); ++i) {
+      const Four* f = corner[offset_[i]].v;
+      const Four* t = target[i].v;
+      a += (f[0] - t[0]) * (f[0] - t[0]);
+      b += (f[1] - t[1]) * (f[1] - t[1]);
+      c += (f[2] - t[2]) * (f[2] - t[2]);
+      d += (f[3] - t[3]) * (f[3] - t[3]);
+      if (i % 32 != 31) continue;
+      const Four sum = (a + b) + (c + d);
+      if (sum[0] + sum[1] + sum[2] + sum[3] > limit) return true;
+    }
+    return false;
+  }
+  double inDouble(const Placement& p, int x, int y) const {
+    double sum = 0;
+    for (const SizePx& at : texels_)
+      for (int k = 0; k < kRank; ++k) {
+        const double d = static_cast<double>(f_.at(x + at.width, y + at.height, k)) -
+                         p.target.at(at.width, at.height, k);
+        sum += d * d;
+      }
+    return sum;
+  }
+
   const Image<float>& f_;
   int corners_;
   std::vector<SizePx> texels_;
+  std::vector<std::ptrdiff_t> offset_;  // of texels_, in a corner of padded_
+  std::vector<Lanes> padded_;
 };
 
 TEST(Placement, IsThatOfBruteForceOnThreeSpecimens) {
@@ -107,7 +149,8 @@ TEST(Placement, IsThatOfBruteForceOnThreeSpecimens) {
           search.candidates(Placement(f, c, i).overlap(), {kTie, 0, {}}).front();
       found[i] = {first.x, first.y};
     }
-    tbb::parallel_for(0, c.placements, [&](int i) { wanted[i] = brute.best(Placement(f, c, i)); });
+    tbb::parallel_for(0, c.placements,
+                      [&](int i) { wanted[i] = brute.best(Placement(f, c, i), found[i]); });
     int same = 0;
     for (int i = 0; i < c.placements; ++i) {
       same += found[i] == wanted[i];
