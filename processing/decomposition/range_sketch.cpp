@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "processing/image/failure.h"
 #include "processing/image/random.h"
@@ -14,6 +15,8 @@
 namespace patina::decomposition {
 
 namespace {
+
+constexpr double kRounding = 1e-11;  // of squares, where scores are floats
 
 // [columns][n] of [n][columns].
 std::vector<float> byColumn(std::span<const float> rows, Index n) {
@@ -24,11 +27,21 @@ std::vector<float> byColumn(std::span<const float> rows, Index n) {
   return out;
 }
 
-// out [l][count] = a [l][n] times a panel of a block.
-void multiply(std::span<const float> a, Index l, Index n, const SampleBlock& block, Index first,
-              Index count, float* out, Index out_stride) {
-  cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, l, count, n, 1.0f, a.data(), n,
-              block.data + first, block.stride, 0.0f, out, out_stride);
+// out [rows][columns] = a [rows][inner] b [inner][columns].
+void multiply(const std::vector<double>& a, const std::vector<double>& b, Index rows, Index columns,
+              Index inner, std::vector<double>& out) {
+  const int n = static_cast<int>(columns), k = static_cast<int>(inner);
+  cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(rows), n, k, 1.0,
+              a.data(), k, b.data(), n, 0.0, out.data(), n);
+}
+
+// Rising; the eigenvectors take the place of the symmetric matrix (its lower triangle), a row each.
+std::vector<double> eigenvalues(std::vector<double>& matrix, Index size) {
+  std::vector<double> values(static_cast<std::size_t>(size));
+  const int n = static_cast<int>(size);
+  const int failed = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', n, matrix.data(), n, values.data());
+  PATINA_CHECK(failed == 0);
+  return values;
 }
 
 Index panelsOf(Index count) { return (count + kPanelTexels - 1) / kPanelTexels; }
@@ -43,84 +56,112 @@ std::vector<float> randomColumns(Index n, Index columns) {
   return out;
 }
 
-RangeSketch::RangeSketch(Index n, std::vector<float> omega)
-    : n_(n),
+RangeSketch::RangeSketch(Index m, Index n, std::vector<float> omega)
+    : m_(m),
+      n_(n),
       columns_(static_cast<Index>(omega.size()) / n),
       omega_(std::move(omega)),
-      omega_by_column_(byColumn(omega_, n)) {}
+      scores_(m, columns_) {}
 
-void RangeSketch::add(const SampleBlock& block) {
+void RangeSketch::add(Index first, const SampleBlock& block) {
+  scores_.add(first, block, n_, omega_);
   const Index panels = panelsOf(block.count);
   while (static_cast<Index>(sums_.size()) < panels)
     sums_.emplace_back(static_cast<std::size_t>(n_ * columns_));
-  struct Room {
-    std::vector<float> range, product;
-  };
-  tbb::enumerable_thread_specific<Room> rooms([&] {
-    return Room{std::vector<float>(kPanelTexels * columns_), std::vector<float>(n_ * columns_)};
-  });
+  tbb::enumerable_thread_specific<std::vector<float>> rooms(
+      [&] { return std::vector<float>(static_cast<std::size_t>(n_ * columns_)); });
   tbb::parallel_for(Index{0}, panels, [&](Index p) {
-    const Index first = p * kPanelTexels, count = std::min(kPanelTexels, block.count - first);
-    Room& room = rooms.local();
-    multiply(omega_by_column_, columns_, n_, block, first, count, room.range.data(), count);
-    cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, n_, columns_, count, 1.0f,
-                block.data + first, block.stride, room.range.data(), count, 0.0f,
-                room.product.data(), columns_);
+    const Index at = p * kPanelTexels, count = std::min(kPanelTexels, block.count - at);
+    std::vector<float>& product = rooms.local();
+    cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, n_, columns_, count, 1.0f, block.data + at,
+                block.stride, scores_.from(first + at), scores_.stride(), 0.0f, product.data(),
+                columns_);
     std::vector<double>& sum = sums_[p];
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += room.product[i];
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += product[i];
   });
 }
 
-RangeSketch::Range RangeSketch::range(Index m, std::span<const double> mean,
-                                      std::span<const float> weight) const {
-  std::vector<double> z = sums_.front(), mean_range(columns_);
+// W (T - 1 mean^t)^t (T - 1 mean^t) Omega.
+std::vector<double> RangeSketch::product(std::span<const double> mean,
+                                         std::span<const double> offset,
+                                         std::span<const float> weight) const {
+  std::vector<double> z = sums_.front();
   for (std::size_t p = 1; p < sums_.size(); ++p)
     for (std::size_t i = 0; i < z.size(); ++i) z[i] += sums_[p][i];
   for (Index j = 0; j < n_; ++j)
-    for (Index k = 0; k < columns_; ++k) mean_range[k] += mean[j] * omega_[j * columns_ + k];
-  for (Index j = 0; j < n_; ++j)
-    for (Index k = 0; k < columns_; ++k)
-      z[j * columns_ + k] -= static_cast<double>(m) * mean[j] * mean_range[k];
-  Range range{{}, ritzValues(z, weight)};
-  for (Index j = 0; j < n_; ++j)
-    for (Index k = 0; k < columns_; ++k) z[j * columns_ + k] *= weight[j];
-  const int n = static_cast<int>(n_), l = static_cast<int>(columns_);
-  std::vector<double> tau(columns_);
-  int failed = LAPACKE_dgeqrf(LAPACK_ROW_MAJOR, n, l, z.data(), l, tau.data());
-  if (failed == 0) failed = LAPACKE_dorgqr(LAPACK_ROW_MAJOR, n, l, l, z.data(), l, tau.data());
-  PATINA_CHECK(failed == 0);
-  range.basis = std::move(z);
-  return range;
+    for (Index k = 0; k < columns_; ++k) {
+      double& v = z[j * columns_ + k];
+      v = (v - static_cast<double>(m_) * mean[j] * offset[k]) * weight[j];
+    }
+  return z;
 }
 
-std::vector<double> RangeSketch::ritzValues(const std::vector<double>& z,
+RangeSketch::Factors RangeSketch::factors(std::span<const double> mean,
+                                          std::span<const float> weight) {
+  const Index l = columns_;
+  const auto square = static_cast<std::size_t>(l * l);
+  std::vector<double> offset(static_cast<std::size_t>(l));
+  for (Index j = 0; j < n_; ++j)
+    for (Index k = 0; k < l; ++k) offset[k] += mean[j] * omega_[j * l + k];
+  scores_.subtract(offset);
+  std::vector<double> gram = scores_.gram();
+  Factors out{{}, {}, std::vector<double>(square), ritzValues(gram, weight)};
+  // Y E D^-1/2 is orthonormal where Y^t Y = E D E^t; B = D^-1/2 E^t Z^t is T on it.
+  const std::vector<double> size = eigenvalues(gram, l), z = product(mean, offset, weight);
+  std::vector<double> whiten(square), b(static_cast<std::size_t>(n_ * l)), energy(square);
+  for (Index k = 0; k < l; ++k)  // rows of `gram` are eigenvectors, rising
+    if (size[k] > kRounding * size[l - 1])
+      for (Index i = 0; i < l; ++i) whiten[i * l + k] = gram[k * l + i] / std::sqrt(size[k]);
+  multiply(z, whiten, n_, l, l, b);
+  cblas_dsyrk(CblasRowMajor, CblasLower, CblasTrans, static_cast<int>(l), static_cast<int>(n_), 1.0,
+              b.data(), static_cast<int>(l), 0.0, energy.data(), static_cast<int>(l));
+  const std::vector<double> squares = eigenvalues(energy, l);
+  std::vector<double> turn(square), turn_basis(square);
+  for (Index k = 0; k < l; ++k) {
+    const Index from = l - 1 - k;
+    out.squares.push_back(std::max(0.0, squares[from]));
+    if (!(out.squares[k] > kRounding * out.squares[0])) continue;
+    const double s = std::sqrt(out.squares[k]);
+    for (Index i = 0; i < l; ++i) {
+      turn[i * l + k] = energy[from * l + i] * s;
+      turn_basis[i * l + k] = energy[from * l + i] / s;
+    }
+  }
+  multiply(whiten, turn, l, l, l, out.rotation);
+  out.basis.resize(b.size());
+  multiply(b, turn_basis, n_, l, l, out.basis);
+  return out;
+}
+
+std::vector<double> RangeSketch::ritzValues(std::vector<double> gram,
                                             std::span<const float> weight) const {
-  const std::vector<double> omega(omega_.begin(), omega_.end());
-  std::vector<double> whitened = omega, values(columns_), energy(columns_ * columns_),
-                      size(columns_ * columns_);
+  std::vector<double> whitened(omega_.begin(), omega_.end()), values(columns_), size(gram.size());
   for (Index j = 0; j < n_; ++j)
     for (Index k = 0; k < columns_; ++k)
       whitened[j * columns_ + k] *= weight[j] > 0 ? 1.0 / weight[j] : 0.0;
   const int l = static_cast<int>(columns_);
-  cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, l, l, n_, 1.0, omega.data(), l, z.data(), l,
-              0.0, energy.data(), l);
-  cblas_dsyrk(CblasRowMajor, CblasLower, CblasTrans, l, n_, 1.0, whitened.data(), l, 0.0,
-              size.data(), l);
-  if (LAPACKE_dsygvd(LAPACK_ROW_MAJOR, 1, 'N', 'L', l, energy.data(), l, size.data(), l,
+  cblas_dsyrk(CblasRowMajor, CblasLower, CblasTrans, l, static_cast<int>(n_), 1.0, whitened.data(),
+              l, 0.0, size.data(), l);
+  if (LAPACKE_dsygvd(LAPACK_ROW_MAJOR, 1, 'N', 'L', l, gram.data(), l, size.data(), l,
                      values.data()) != 0)
     std::fill(values.begin(), values.end(), 0.0);
+  std::reverse(values.begin(), values.end());
   return values;
 }
 
-void Scores::add(Index first, const SampleBlock& block, Index n, std::span<const float> projection,
-                 std::span<const float> offset) {
-  const std::vector<float> by_column = byColumn(projection, n);
+void Scores::add(Index first, const SampleBlock& block, Index n, std::span<const float> vectors) {
+  const std::vector<float> by_column = byColumn(vectors, n);
   tbb::parallel_for(Index{0}, panelsOf(block.count), [&](Index p) {
     const Index at = p * kPanelTexels, count = std::min(kPanelTexels, block.count - at);
-    float* out = values_.data() + first + at;
-    multiply(by_column, l_, n, block, at, count, out, m_);
-    for (Index k = 0; k < l_; ++k)
-      for (Index i = 0; i < count; ++i) out[k * m_ + i] -= offset[k];
+    cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, l_, count, n, 1.0f, by_column.data(), n,
+                block.data + at, block.stride, 0.0f, values_.data() + first + at, m_);
+  });
+}
+
+void Scores::subtract(std::span<const double> offset) {
+  tbb::parallel_for(Index{0}, l_, [&](Index k) {
+    const auto shift = static_cast<float>(offset[k]);
+    for (Index i = k * m_; i < (k + 1) * m_; ++i) values_[i] -= shift;
   });
 }
 

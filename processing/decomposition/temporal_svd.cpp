@@ -2,7 +2,6 @@
 #include "processing/decomposition/temporal_svd.h"
 
 #include <cblas.h>
-#include <lapacke.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -21,8 +20,8 @@ constexpr Index kBlockFloats = 16 << 20;  // 64 MiB of samples at a time
 constexpr Index kOversampling = 16;       // columns beyond the rank, so that its last is found well
 constexpr Index kColumnUnit = 8;          // what BLAS multiplies at once
 constexpr Index kUnlearned = 4;           // columns that stay random, in case a start misleads
-constexpr int kLearning = 3;              // iterations on the first block
-constexpr int kRounds = 4;                // at most, of two passes
+constexpr int kLearning = 2;              // iterations on the first block
+constexpr int kRounds = 4;                // at most, a pass each
 constexpr double kCertain = 1e-4;         // error of singular values, of the first
 constexpr Index kGramColumns = 4;         // times as many as are sought: the exact way costs less
 
@@ -91,8 +90,8 @@ class Moments {
   std::vector<double> sum_, squares_;
 };
 
-// One decomposition: two passes, and what is between and after them. Where the second shows that
-// the range was not found well enough, both again from what was found.
+// One decomposition. Through the Gram matrix: a pass for it and one for the scores. Through a
+// sketch: one pass, and another from what was found where it was not found well enough.
 class Decomposition {
  public:
   Decomposition(Index m, Index n, const SvdOptions& options)
@@ -109,8 +108,8 @@ class Decomposition {
         gram_->add(block);
         return;
       }
-      if (at == 0) sketch_.emplace(n_, learned(block));
-      sketch_->add(block);
+      if (at == 0) sketch_.emplace(m_, n_, learned(block));
+      sketch_->add(at, block);
     });
     if (!moments_.isFinite())
       throw ProcessingError(Exit::kBadData,
@@ -122,7 +121,7 @@ class Decomposition {
     if (gram_)
       byGram(second);
     else
-      bySketch(first, second);
+      bySketch(second);
     return std::move(svd_);
   }
 
@@ -144,14 +143,27 @@ class Decomposition {
         options_.centre ? moments.mean(block.count) : std::vector<double>(n_);
     const std::vector<float> weight = weightOf(moments, block.count);
     for (int i = 0; i < kLearning; ++i) {
-      RangeSketch sketch(n_, std::move(omega));
-      sketch.add(block);
-      omega = unweighed(sketch.range(block.count, mean, weight).basis, weight);
+      RangeSketch sketch(block.count, n_, std::move(omega));
+      sketch.add(0, block);
+      omega = unweighed(sketch.factors(mean, weight).basis, weight);
     }
-    const float size = 1 / std::sqrt(static_cast<float>(n_));
-    for (Index j = 0; j < n_; ++j)
-      for (Index k = columns_ - kUnlearned; k < columns_; ++k)
-        omega[j * columns_ + k] = weight[j] * size * random[j * columns_ + k];
+    // Across the others: of a column of chance, what they hold would drown the rest.
+    const Index known = columns_ - kUnlearned;
+    for (Index k = known; k < columns_; ++k) {
+      std::vector<double> column(static_cast<std::size_t>(n_));
+      for (Index j = 0; j < n_; ++j) column[j] = random[j * columns_ + k] / std::sqrt(n_);
+      for (Index i = 0; i < known; ++i) {
+        double along = 0, length = 0;
+        for (Index j = 0; j < n_; ++j) {
+          along += omega[j * columns_ + i] * column[j];
+          length += double{omega[j * columns_ + i]} * omega[j * columns_ + i];
+        }
+        if (!(length > 0)) continue;
+        for (Index j = 0; j < n_; ++j) column[j] -= along / length * omega[j * columns_ + i];
+      }
+      for (Index j = 0; j < n_; ++j)
+        omega[j * columns_ + k] = static_cast<float>(weight[j] * column[j]);
+    }
     return omega;
   }
 
@@ -175,79 +187,61 @@ class Decomposition {
     for (Index j = 0; j < n_; ++j)
       for (Index k = 0; k < svd_.rank; ++k) basis[j * svd_.rank + k] = eigen.vectors[k * n_ + j];
     setBasis(basis);
-    svd_.scores =
-        scoresOn(std::vector<double>(svd_.basis.begin(), svd_.basis.end()), second).byTexel();
+    svd_.scores = scoresOnBasis(second).byTexel();
   }
 
-  // Rayleigh and Ritz: the best that the sketched range offers.
-  void bySketch(const Pass& first, const Pass& second) {
+  void bySketch(const Pass& again) {
     for (int round = 1;; ++round) {
-      const RangeSketch::Range range = sketch_->range(m_, offset_, svd_.weight);
-      sketch_.reset();
-      const Scores scores = scoresOn(range.basis, second);
-      std::vector<double> vectors = scores.gram(), values(static_cast<std::size_t>(columns_));
-      const int l = static_cast<int>(columns_);
-      const int failed =
-          LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', l, vectors.data(), l, values.data());
-      PATINA_CHECK(failed == 0);
-      if (round == kRounds || errorOf(values, range.squared_singular_values) <= kCertain)
-        return settle(range.basis, scores, vectors, values);
-      sketch_.emplace(n_, unweighed(range.basis, svd_.weight));
-      first([&](Index, const SampleBlock& block) { sketch_->add(block); });
+      const RangeSketch::Factors factors = sketch_->factors(offset_, svd_.weight);
+      if (round == kRounds || errorOf(factors) <= kCertain) return settle(factors);
+      sketch_.emplace(m_, n_, unweighed(factors.basis, svd_.weight));
+      again([&](Index first, const SampleBlock& block) { sketch_->add(first, block); });
     }
   }
 
-  // How far the singular values up to the rank may be off, of the first. A multiplication by T^t T
-  // leaves of their squares' errors a share below (s_l / s_k)^4, and takes what `now` has above
-  // `before`; the square root of that share is reckoned with, since not all columns have converged.
-  double errorOf(const std::vector<double>& now, const std::vector<double>& before) const {
-    const double first = std::sqrt(std::max(0.0, now.back())), last = std::max(0.0, now.front());
-    if (!(first > 0)) return 0;
+  // How far the singular values up to the rank may be off, of the first. A step, half of one by
+  // T^t T, leaves of their squares' errors a share below (s_l / s_k)^2, and takes what is gained
+  // over `squares_on_omega`; the root of that share is reckoned with, since not all columns have
+  // converged.
+  double errorOf(const RangeSketch::Factors& f) const {
+    const double first = std::sqrt(f.squares.front()), last = std::sqrt(f.squares.back());
     double error = 0;
-    for (Index k = columns_ - options_.rank; k < columns_; ++k) {
-      if (!(now[k] > kRounding * now.back())) continue;
-      const double gained = std::sqrt(now[k]) - std::sqrt(std::max(0.0, before[k]));
-      error = std::max(error, gained * last / now[k]);
+    for (int k = 0; k < options_.rank; ++k) {
+      const double s = std::sqrt(f.squares[k]);
+      if (!(s > kNothing * first)) continue;
+      const double gained = s - std::sqrt(std::max(0.0, f.squares_on_omega[k]));
+      error = std::max(error, gained * last / s);
     }
-    return error / first;
+    return first > 0 ? error / first : 0;
   }
 
-  // `vectors` of S^t S a row each, `values` rising.
-  void settle(const std::vector<double>& range, const Scores& scores,
-              const std::vector<double>& vectors, std::vector<double> values) {
-    const Index l = columns_;
-    std::reverse(values.begin(), values.end());
-    for (double& v : values) v = std::max(v, 0.0);
-    choose(values, moments_.energy(m_, offset_, svd_.weight));
-    const Index k = svd_.rank;
-    std::vector<double> rotation(static_cast<std::size_t>(l * k)),
-        basis(static_cast<std::size_t>(n_ * k));
-    for (Index i = 0; i < l; ++i)
-      for (Index j = 0; j < k; ++j) rotation[i * k + j] = vectors[(l - 1 - j) * l + i];
-    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n_, k, l, 1.0, range.data(), l,
-                rotation.data(), k, 0.0, basis.data(), k);
+  void settle(const RangeSketch::Factors& f) {
+    choose(f.squares, moments_.energy(m_, offset_, svd_.weight));
+    const Index l = columns_, k = svd_.rank;
+    std::vector<double> basis(static_cast<std::size_t>(n_ * k));
+    for (Index j = 0; j < n_; ++j)
+      for (Index i = 0; i < k; ++i) basis[j * k + i] = f.basis[j * l + i];
     const std::vector<double> signs = setBasis(basis);
-    std::vector<float> turned(rotation.size());
-    for (std::size_t i = 0; i < turned.size(); ++i)
-      turned[i] = static_cast<float>(rotation[i] * signs[i % k]);
-    svd_.scores = scores.rotated(turned, k);
+    std::vector<float> turned(static_cast<std::size_t>(l * k));
+    for (Index i = 0; i < l; ++i)
+      for (Index j = 0; j < k; ++j)
+        turned[i * k + j] = static_cast<float>(f.rotation[i * l + j] * signs[j]);
+    svd_.scores = sketch_->scores().rotated(turned, k);
   }
 
-  // The second pass: T's texels, centred and weighed, on the columns of `basis` [n][l].
-  Scores scoresOn(const std::vector<double>& basis, const Pass& second) {
-    const Index l = static_cast<Index>(basis.size()) / n_;
-    std::vector<float> projection(basis.size()), offset(static_cast<std::size_t>(l));
-    std::vector<double> sum(static_cast<std::size_t>(l));
+  // The second pass: T's texels, centred and weighed, on the basis.
+  Scores scoresOnBasis(const Pass& second) const {
+    const Index l = svd_.rank;
+    std::vector<float> vectors(svd_.basis.size());
+    std::vector<double> offset(static_cast<std::size_t>(l));
     for (Index j = 0; j < n_; ++j)
       for (Index k = 0; k < l; ++k) {
-        projection[j * l + k] = static_cast<float>(svd_.weight[j] * basis[j * l + k]);
-        sum[k] += offset_[j] * projection[j * l + k];
+        vectors[j * l + k] = svd_.weight[j] * svd_.basis[j * l + k];
+        offset[k] += offset_[j] * vectors[j * l + k];
       }
-    std::copy(sum.begin(), sum.end(), offset.begin());
     Scores scores(m_, l);
-    second([&](Index first, const SampleBlock& block) {
-      scores.add(first, block, n_, projection, offset);
-    });
+    second([&](Index first, const SampleBlock& block) { scores.add(first, block, n_, vectors); });
+    scores.subtract(offset);
     return scores;
   }
 
@@ -284,7 +278,7 @@ class Decomposition {
     return signs;
   }
 
-  static constexpr double kRounding = 1e-10;  // of squares: below, there is nothing to find
+  static constexpr double kNothing = 1e-5;  // of the first singular value: all is rounding
 
   Index m_, n_, columns_ = 0;
   const SvdOptions& options_;

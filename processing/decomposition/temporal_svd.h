@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Singular value decomposition of a tall matrix T [m texels][n time samples], streamed by blocks of
 // texels: T ~ U S V^t, U S = T V. Enrique et al. 2005, (4)-(5). Few columns: by the Gram matrix
-// (method of snapshots), exact. Many: by subspace iteration, one pass for T^t T Omega and one for
-// the Rayleigh-Ritz step (Halko et al. 2011, algorithm 4.4 in two passes). We depart in Omega,
-// which is random only for the first block and then learned from it, and in asking afterwards how
-// far the singular values may be off: where that is too far, both passes come again.
+// (method of snapshots), exact, in two passes. Many: T is projected on the range of T Omega, from
+// T Omega and T^t T Omega of one pass (a Nystroem approximation of T^t T; Halko et al. 2011,
+// section 5). We depart in Omega, which is random only for the first block and then learned from
+// it, and in asking afterwards how far the singular values may be off: where that is too far, there
+// is another pass, from what was found.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@
 namespace patina::decomposition {
 
 // Fills `block` [n][count] with texels [first, first + count) of T: a row is a sample of time, as
-// frames lie in files. Called from one thread, in order, twice over all texels, rarely up
-// to eight times.
+// frames lie in files. Called from one thread, in order, once or twice over all texels,
+// rarely up to four times.
 using SampleSource =
     std::function<void(std::int64_t first, std::int64_t count, std::span<float> block)>;
 
@@ -41,13 +42,14 @@ struct TemporalSvd {
   // Falling: all n, or where n is large the leading rank + 16 or a few more, those up to `rank`
   // within 1e-4 of the first.
   std::vector<double> singular_values;
-  std::vector<float> basis;           // [n][rank]: V; each column's largest entry is positive
-  std::vector<float> mean, weight;    // [n]; zeros unless centred, ones unless weighed
+  std::vector<float> basis;         // [n][rank]: V; each column's largest entry is positive. Zeros
+                                    // where a singular value is 0 and n large
+  std::vector<float> mean, weight;  // [n]; zeros unless centred, ones unless weighed
   std::vector<double> error_of_rank;  // [0] of rank 1 ...: RMS of T - U S V^t over RMS of T (T
                                       // centred and weighed, if asked); long as singular_values
   double relative_error = 0;          // of the rank chosen; where n is large below 1e-4 reads so
 };
-// O(m n min(n, 3 rank)) time; memory one block of samples, the scores and 16 n (rank + 16) floats,
+// O(m n min(n, rank)) time; memory one block of samples, the scores and 16 n (rank + 16) floats,
 // or 3 n^2 doubles where n is small. Same bytes for any number of threads. Throws
 // ProcessingError(kBadData) where T holds a NaN or an infinity.
 TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const SampleSource& samples,

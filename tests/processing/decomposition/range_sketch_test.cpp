@@ -34,10 +34,9 @@ std::vector<double> meanOf(std::span<const float> all) {
 TEST(RangeSketch, SpansAllThatIsThereOnceTheMeanIsOut) {
   const std::vector<float> all = planted();
   const std::vector<double> mean = meanOf(all);
-  RangeSketch sketch(kTimes, randomColumns(kTimes, kColumns));
-  sketch.add({all.data(), kTexels, kTexels});
-  const std::vector<double> basis =
-      sketch.range(kTexels, mean, std::vector<float>(kTimes, 1)).basis;
+  RangeSketch sketch(kTexels, kTimes, randomColumns(kTimes, kColumns));
+  sketch.add(0, {all.data(), kTexels, kTexels});
+  const std::vector<double> basis = sketch.factors(mean, std::vector<float>(kTimes, 1)).basis;
   double left = 0, whole = 0;
   for (Index i = 0; i < kTexels; i += 97) {
     std::vector<double> texel(kTimes);
@@ -58,10 +57,11 @@ TEST(Scores, AreProjectionsLessTheirOffsetAndTurnAsTold) {
   std::vector<float> projection(kTimes * 2);
   for (std::size_t i = 0; i < projection.size(); ++i)
     projection[i] = static_cast<float>(gaussian(hashSeed(7, i)));
-  const std::vector<float> offset{3, -4};
+  const std::vector<double> offset{3, -4};
   Scores scores(kTexels, 2);
-  scores.add(0, {all.data(), 700, kTexels}, kTimes, projection, offset);
-  scores.add(700, {all.data() + 700, kTexels - 700, kTexels}, kTimes, projection, offset);
+  scores.add(0, {all.data(), 700, kTexels}, kTimes, projection);
+  scores.add(700, {all.data() + 700, kTexels - 700, kTexels}, kTimes, projection);
+  scores.subtract(offset);
   const std::vector<double> gram = scores.gram();
   std::vector<double> own(kTexels * 2);
   for (Index i = 0; i < kTexels; ++i)
