@@ -10,12 +10,17 @@
 #include "calibration/failure.h"
 #include "calibration/registration/feature_start.h"
 #include "calibration/registration/refinement.h"
+#include "calibration/registration/spectral_refinement.h"
 
 namespace patina::calibration {
 namespace {
 
 constexpr double kSolvedAgain = 0.02;  // share of blocks that disagree from which leaving them pays
 constexpr double kLeastZncc = 0.3;
+constexpr double kNearlyBlank_px = 0.05;  // standard error from which the spectrum is asked
+constexpr double kSigmas = 4;
+// The spectrum must promise clearly more.
+constexpr double kPromise = 0.6;
 constexpr double kLeastBlocks = 3.5;  // of a small picture, one or two mean nothing
 constexpr int kMostFinest = 4;
 
@@ -50,6 +55,24 @@ void leaveOutWhatDisagrees(const PreparedPicture& frame, const PreparedPicture& 
   out.frame_from_reference = again.frame_from_reference;
 }
 
+// Of a surface that is nearly blank the finest level shows little but noise: matched once more by
+// the frequencies that carry something.
+void askTheSpectrum(const PreparedPicture& frame, const PreparedPicture& reference,
+                    Alignment& out) {
+  const double before_px = out.agreement.uncertainty_px;
+  if (!(before_px > kNearlyBlank_px) || out.agreement.judged_blocks == 0) return;
+  const SpectralShift found =
+      refineBySpectrum(reference, frame, out.frame_from_reference, out.agreement);
+  const double apart_px =
+      cornersApart(found.frame_from_reference, out.frame_from_reference, reference.size());
+  if (!(found.uncertainty_px < kPromise * before_px) || apart_px > kSigmas * before_px) return;
+  out.frame_from_reference = found.frame_from_reference;
+  out.agreement = agreementOf(reference, frame, found.frame_from_reference);
+  // The spectrum's bound leaves out what the mosaic makes of specks, the blocks' error counts noise
+  // that the spectrum passes over: in between.
+  out.agreement.uncertainty_px = std::sqrt(found.uncertainty_px * before_px);
+}
+
 Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& reference,
                     const Motion& start, const AlignOptions& options) {
   Alignment out;
@@ -74,6 +97,8 @@ Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& referen
   out.agreement = agreementOf(reference, frame, out.frame_from_reference);
   if (options.model != MotionModel::kTranslation)
     leaveOutWhatDisagrees(frame, reference, options, out);
+  else
+    askTheSpectrum(frame, reference, out);
   out.verdict = verdictOf(out.agreement, options);
   return out;
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/calibration/registration/twin_pictures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "devices/twin/specimen_pose.h"
 #include "processing/image/dng_file.h"
@@ -29,7 +31,7 @@ std::vector<float> lightOf(const SurfaceMaps& maps) {
   return light;
 }
 
-Image<float> developed(const ImageSensor& sensor, std::vector<float> light, std::uint64_t seed) {
+Image<float> readOut(const ImageSensor& sensor, std::vector<float> light, std::uint64_t seed) {
   const SensorProfile& profile = referenceProfile().sensor;
   const SizePx size = sensor.size();
   SensorShot shot;
@@ -69,7 +71,7 @@ ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size)
       flat_(size.width, size.height, 3) {
   constexpr int kFlats = 16;
   for (std::uint64_t k = 0; k < kFlats; ++k) {
-    const Image<float> white = developed(
+    const Image<float> white = readOut(
         *sensor_, std::vector<float>(static_cast<std::size_t>(size.width) * size.height, 0.8f),
         1000 + k);
     for (std::size_t i = 0; i < flat_.texels().size(); ++i)
@@ -77,15 +79,47 @@ ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size)
   }
 }
 
-Image<float> ShiftedSpecimen::at(double time, PlacePx shift, std::uint64_t seed) const {
+std::vector<float> ShiftedSpecimen::lightAt(double time, PlacePx shift) const {
   SampleGrid grid = SampleGrid::regular(size_, specimen_->info().width_mm);
   for (float& x : grid.x_mm) x -= static_cast<float>(shift.x * grid.texel_mm);
   for (float& y : grid.y_mm) y += static_cast<float>(shift.y * grid.texel_mm);  // y is up there
-  Image<float> picture =
-      developed(*sensor_, lightOf(mapsAt(*specimen_->prepare(grid), time, size_)), seed);
+  return lightOf(mapsAt(*specimen_->prepare(grid), time, size_));
+}
+
+Image<float> ShiftedSpecimen::developed(std::vector<float> light, std::uint64_t seed) const {
+  Image<float> picture = readOut(*sensor_, std::move(light), seed);
   for (std::size_t k = 0; k < picture.texels().size(); ++k)
     picture.texels()[k] /= flat_.texels()[k];
   return picture;
+}
+
+Image<float> ShiftedSpecimen::at(double time, PlacePx shift, std::uint64_t seed) const {
+  return developed(lightAt(time, shift), seed);
+}
+
+std::vector<float> ShiftedSpecimen::withCard(std::vector<float> light, PlacePx shift) const {
+  constexpr double kCell_px = 16, kRadius_px = 4.5;
+  for (int y = 0; y < size_.height; ++y)
+    for (int x = 0; x < cardWidthPx(); ++x) {
+      const double u = x - shift.x, v = y - shift.y;
+      const double column = std::floor(u / kCell_px), row = std::floor(v / kCell_px);
+      const auto cell = static_cast<std::uint64_t>(1000 * (row + 100) + column + 100);
+      // Not in rank and file, or one row would be taken for the next.
+      const double middle_x = column * kCell_px + 5 + 6 * uniform(hashSeed(cell, 1)),
+                   middle_y = row * kCell_px + 5 + 6 * uniform(hashSeed(cell, 2));
+      const double black =
+          std::clamp(kRadius_px - std::hypot(u - middle_x, v - middle_y) + 0.5, 0.0, 1.0);
+      light[static_cast<std::size_t>(y) * size_.width + x] = static_cast<float>(0.6 - 0.55 * black);
+    }
+  return light;
+}
+
+Image<std::uint8_t> ShiftedSpecimen::cardMask() const {
+  constexpr int kMarginPx = 8;
+  Image<std::uint8_t> mask(size_.width, size_.height, 1);
+  for (int y = 0; y < size_.height; ++y)
+    for (int x = 0; x < cardWidthPx() - kMarginPx; ++x) mask.at(x, y) = 255;
+  return mask;
 }
 
 namespace {

@@ -21,7 +21,16 @@ class ShiftedSpecimen {
   ShiftedSpecimen(const std::string& name, SizePx size);
   Image<float> at(double time, PlacePx shift, std::uint64_t seed) const;
 
+  // In two steps: what reaches the sensor, [h][w], and what it makes of it.
+  std::vector<float> lightAt(double time, PlacePx shift) const;
+  Image<float> developed(std::vector<float> light, std::uint64_t seed) const;
+  // The same light where a card of black dots, moved along, lies over the left quarter.
+  std::vector<float> withCard(std::vector<float> light, PlacePx shift) const;
+  Image<std::uint8_t> cardMask() const;  // well within the card wherever it is moved to by 4 px
+
  private:
+  int cardWidthPx() const { return size_.width / 4; }
+
   std::unique_ptr<devices::twin::Specimen> specimen_;
   SizePx size_;
   std::unique_ptr<devices::twin::ImageSensor> sensor_;
