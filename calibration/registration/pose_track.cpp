@@ -24,6 +24,11 @@ Image<std::uint8_t> inverted(const Image<std::uint8_t>& mask) {
   return out;
 }
 
+void judge(const Alignment& by, const AlignOptions& options, FramePose& pose) {
+  pose.verdict = by.verdict;
+  pose.reason = reasonOf(by.verdict, by.agreement, options);
+}
+
 void describe(const Alignment& by, FramePose& pose) {
   const Agreement& a = by.agreement;
   pose.share = a.share;
@@ -79,7 +84,7 @@ FramePose PoseTrack::add(ImageView<const float> frame, Progress& progress) {
   } else {
     const Alignment found = specimen_->add(frame, progress);
     describe(found, pose);
-    pose.verdict = found.verdict;
+    judge(found, options_.keys.align, pose);
     pose.frame_from_reference = found.frame_from_reference;
     if (isTrusted(pose.verdict)) {
       noteJump(found.frame_from_reference, EpochCause::kEither, pose, frame.size());
@@ -101,13 +106,13 @@ void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Prog
                         ? std::optional(chained(specimen.frame_from_reference, inverse(own_)))
                         : std::nullopt);
   describe(camera, pose);
-  pose.verdict = std::max(camera.verdict, specimen.verdict);
+  judge(specimen.verdict > camera.verdict ? specimen : camera, options_.keys.align, pose);
   if (specimen.verdict > camera.verdict) pose.covered_px = specimen.agreement.covered_px;
   pose.frame_from_reference = chained(camera.frame_from_reference, kept_);
   if (!isTrusted(camera.verdict)) return;
   if (specimen.verdict >= Verdict::kCovered && ++lost_in_a_row_ > kChangedAfter) {
     specimen_->renew(frame, chained(camera.frame_from_reference, own_));
-    pose.verdict = camera.verdict;
+    judge(camera, options_.keys.align, pose);
     lost_in_a_row_ = 0;
   }
   if (specimen.verdict < Verdict::kCovered) lost_in_a_row_ = 0;

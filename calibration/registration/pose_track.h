@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibration/registration/keyframe_track.h"
@@ -37,6 +38,7 @@ struct FramePose {
   std::int64_t frame = 0;                   // count of add()
   Motion frame_from_reference = kNoMotion;  // of the specimen
   Verdict verdict = Verdict::kGood;
+  std::string reason;                    // why it is not good, with numbers: reasonOf()
   double share = 0, uncertainty_px = 0;  // of what was held on to
   double contrast = 1, sharpness = 1;    // coarse; fine over coarse
   RectPx covered_px;                     // px of the keyframe: what is in the way or walks through

@@ -39,6 +39,7 @@ Facts factsOf(const RegisteredFrame& one) {
   facts.count("frame", one.pose.frame).number("time_s", one.time_s);
   facts.text("source_sha256", one.source.hex());
   facts.text("verdict", name(one.pose.verdict)).set("used", one.used);
+  if (!one.pose.reason.empty()) facts.text("reason", one.pose.reason);
   facts.count("epoch", one.pose.epoch).number("agreeing_share", one.pose.share);
   facts.number("uncertainty_px", std::min(one.pose.uncertainty_px, 1e6));
   facts.number("contrast", one.pose.contrast).number("sharpness", one.pose.sharpness);
@@ -144,7 +145,8 @@ std::string refusedFrames(const RegistrationReport& report) {
     if (frame.used) continue;
     if (++named > kNamed) return text + " ...";
     text += (named > 1 ? ", " : " ") + std::to_string(frame.pose.frame);
-    text += std::string(" (") + name(frame.pose.verdict) + ")";
+    text.append(" (").append(name(frame.pose.verdict)).append(": ");
+    text.append(frame.pose.reason).append(")");
   }
   return text;
 }

@@ -65,7 +65,8 @@ class RegisteredFrames final : public ttf::FrameSource {
 // One line of JSON for the whole, then one a frame: poses by rows (m00 .. m22: where in the frame
 // is what the first one shows at (x, y, 1)), verdicts, and what they rest on.
 std::string registrationLines(const RegistrationReport& report, const RegistrationRequest& request);
-// "2 of 48 frames refused: 12 (covered), 31 (fogged)"; empty when none was.
+// "1 of 48 frames refused: 31 (fogged: contrast is 0.42 of the reference's, wanted 0.80)"; empty
+// when none was.
 std::string refusedFrames(const RegistrationReport& report);
 
 }  // namespace patina::workflow

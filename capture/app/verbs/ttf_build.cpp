@@ -157,6 +157,7 @@ void build(Context& context, Options& options) {
                     .set("calibrations_left", Value{outcome.calibrations_left})
                     .set("registration", outcome.registration_id.c_str())
                     .set("frames_refused", outcome.registration.refused)
+                    .set("refused", workflow::refusedFrames(outcome.registration).c_str())
                     .set("pose_epochs", std::int64_t(outcome.registration.epochs.size()))
                     .set("clipped_samples", outcome.build.clipped_samples)
                     .set("steps_partial_left_out", frames.steps_partial_left_out)

@@ -89,7 +89,10 @@ TEST(RegisteredFrames, LeavesOutAndNamesWhatCannotBeTrusted) {
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[1].time_s, 20);
   EXPECT_EQ(frames.report().refused, 1);
-  EXPECT_THAT(refusedFrames(frames.report()), HasSubstr("1 of 3 frames refused: 1 (lost)"));
+  EXPECT_THAT(refusedFrames(frames.report()), HasSubstr("1 of 3 frames refused: 1 (lost: only "));
+  EXPECT_THAT(refusedFrames(frames.report()), HasSubstr("% of the blocks agree, wanted 50 %"));
+  EXPECT_THAT(registrationLines(frames.report(), {}), HasSubstr("\"reason\":\"only "));
+  EXPECT_EQ(frames.report().frames[2].pose.reason, "") << "it is good";
 }
 
 TEST(RegisteredFrames, ComposesWithAMapSoThatGeometryIsResampledOnce) {
