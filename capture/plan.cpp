@@ -12,6 +12,7 @@ namespace {
 using devices::ConfigTable;
 using namespace std::chrono_literals;
 
+constexpr int kDegreeMost = 12;  // of polynomials in time
 constexpr Nanoseconds kIntervalLeast = 50ms, kIntervalMost = 24h * 366;
 constexpr Nanoseconds kDurationMost = 24h * 366 * 20;
 constexpr Nanoseconds kExposureLeast = 1us, kExposureMost = 1h;
@@ -160,8 +161,9 @@ void takeDiskAfterAlerts(ConfigTable& root, Plan& plan) {
   if (auto after = root.takeTable("after")) {
     plan.after = after->takeStrings("steps", std::vector<std::string>{});
     for (const std::string& step : plan.after)
-      if (step != "ttf" && step != "film")
-        after->reject("steps", "\"" + step + "\" is not one of ttf, film");
+      if (step != "ttf" && step != "film" && step != "brdf" && step != "stbrdf")
+        after->reject("steps", "\"" + step + "\" is not one of ttf, film, brdf, stbrdf");
+    plan.after_degree = static_cast<int>(after->takeInteger("degree", 0, kDegreeMost, 3));
     after->finish();
   }
   plan.alerts = takeAlerts(root, plan.interval);
@@ -294,6 +296,11 @@ int shotsAStep(const Plan& plan) {
     shots += static_cast<int>(std::max<std::size_t>(sweep.cameras.size(), 1) * sweep.lights.size() *
                               sweep.exposures.size());
   return shots;
+}
+
+bool isFedBySteps(const Plan& plan) {
+  return std::ranges::any_of(
+      plan.after, [](const std::string& step) { return step == "brdf" || step == "stbrdf"; });
 }
 
 }  // namespace patina::capture

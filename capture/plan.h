@@ -42,7 +42,8 @@ struct Plan {
   LightCheck light_check;
   LatePolicy late = LatePolicy::kSkip;
   std::uint64_t disk_reserve_bytes = 0;
-  std::vector<std::string> after;  // "ttf" "film"
+  std::vector<std::string> after;  // "ttf" "film" "brdf" "stbrdf"
+  int after_degree = 3;            // of "stbrdf": polynomials in time
   // Besides at every step; nothing: at steps alone.
   std::optional<Nanoseconds> read_sensors_every;
   AlertSettings alerts;
@@ -53,6 +54,8 @@ struct Plan {
 // Throw devices::ConfigError: file, line, key, allowed range.
 Plan readPlan(const std::filesystem::path& file);
 Plan parsePlan(const std::string& toml, const std::filesystem::path& source);
+// Something after the run can be made while it goes on: "brdf", "stbrdf".
+bool isFedBySteps(const Plan& plan);
 // Names in the plan that the rig does not have: a ConfigError on the plan's line.
 void checkAgainst(const Plan& plan, const devices::RigSpec& rig);
 

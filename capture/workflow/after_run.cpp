@@ -2,10 +2,13 @@
 #include "capture/workflow/after_run.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <tuple>
 
 #include "capture/workflow/film.h"
+#include "capture/workflow/run_reflectance.h"
+#include "capture/workflow/stbrdf_product.h"
 
 namespace patina::workflow {
 namespace {
@@ -34,6 +37,34 @@ std::optional<db::ProductRow> madeBefore(const db::ArchiveReader& reader, const 
   return std::nullopt;
 }
 
+// Cameras with a whole step under lamps, and whether they have several exposures to be merged.
+std::map<std::string, bool> camerasOf(const db::ArchiveReader& reader, const std::string& run_id) {
+  std::map<std::string, std::set<int>> exposures;
+  for (const auto& [camera, light, exposure] : choicesOf(reader, run_id))
+    exposures[camera].insert(exposure);
+  std::map<std::string, bool> cameras;
+  for (const auto& [camera, numbers] : exposures) cameras[camera] = numbers.size() > 1;
+  return cameras;
+}
+
+RunReflectanceRequest reflectanceOf(const std::string& run_id, const std::string& camera,
+                                    bool merged, const AfterOptions& options) {
+  RunReflectanceRequest request;
+  request.run = run_id;
+  request.frames.selection.camera = camera;
+  request.frames.selection.merged = merged;
+  if (options.place) {
+    const SpecimenPlace place = options.place(camera);
+    request.region = place.region;
+    request.mm_per_texel = place.mm_per_texel;
+  }
+  request.rig = options.lamps;
+  request.command = kCommand;
+  request.version = options.version;
+  request.after = camera;
+  return request;
+}
+
 class Finisher {
  public:
   Finisher(const std::filesystem::path& archive, const std::string& run_id,
@@ -44,11 +75,16 @@ class Finisher {
     const auto asked = [this](const char* step) {
       return std::find(options_.steps.begin(), options_.steps.end(), step) != options_.steps.end();
     };
-    if (!asked("ttf") && !asked("film")) return {};
-    for (const Choice& choice : choicesOf(db::ArchiveReader(archive_), run_id_)) {
-      const std::filesystem::path texture = makeTexture(choice);
-      if (asked("film")) makeFilmOf(choice, texture);
-    }
+    if (asked("ttf") || asked("film"))
+      for (const Choice& choice : choicesOf(db::ArchiveReader(archive_), run_id_)) {
+        const std::filesystem::path texture = makeTexture(choice);
+        if (asked("film")) makeFilmOf(choice, texture);
+      }
+    if (asked("brdf") || asked("stbrdf"))
+      for (const auto& [camera, merged] : camerasOf(db::ArchiveReader(archive_), run_id_)) {
+        const std::string set = makeReflectance(camera, merged);
+        if (asked("stbrdf")) makeAgeing(camera, set);
+      }
     return std::move(products_);
   }
 
@@ -81,6 +117,29 @@ class Finisher {
     const TtfOutcome outcome = makeTtf(archive_, request, now_(), progress_);
     products_.push_back({"ttf", outcome.product.id, outcome.path, true});
     return outcome.path;
+  }
+
+  std::string makeReflectance(const std::string& camera, bool merged) {
+    const db::ArchiveReader reader(archive_);
+    if (const auto row = madeBefore(reader, "brdf", run_id_, camera)) {
+      products_.push_back({"brdf", row->id, pathOfProduct(archive_, *row), false});
+      return row->id;
+    }
+    const RunReflectanceOutcome outcome =
+        fitRun(archive_, reflectanceOf(run_id_, camera, merged, options_), now_(), progress_);
+    products_.push_back({"brdf", outcome.product->id, outcome.set / "manifest.json", true});
+    return outcome.product->id;
+  }
+
+  void makeAgeing(const std::string& camera, const std::string& set) {
+    const db::ArchiveReader reader(archive_);
+    if (const auto row = madeBefore(reader, "stbrdf", run_id_, camera)) {
+      products_.push_back({"stbrdf", row->id, pathOfProduct(archive_, *row), false});
+      return;
+    }
+    const StbrdfOutcome outcome = fitStbrdf(
+        archive_, {set, options_.degree, kCommand, options_.version, camera}, now_(), progress_);
+    products_.push_back({"stbrdf", outcome.product.id, outcome.set / "manifest.json", true});
   }
 
   void makeFilmOf(const Choice& choice, const std::filesystem::path& texture) {
@@ -116,6 +175,15 @@ std::vector<AfterProduct> finishRun(const std::filesystem::path& archive, const 
                                     const AfterOptions& options,
                                     const std::function<UtcTime()>& now, Progress& progress) {
   return Finisher(archive, run_id, options, now, progress).run();
+}
+
+void feedRun(const std::filesystem::path& archive, const std::string& run_id,
+             const AfterOptions& options, Progress& progress) {
+  for (const auto& [camera, merged] : camerasOf(db::ArchiveReader(archive), run_id)) {
+    RunReflectanceRequest request = reflectanceOf(run_id, camera, merged, options);
+    request.so_far = true;
+    fitRun(archive, request, {}, progress);
+  }
 }
 
 }  // namespace patina::workflow

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/workflow/run_lights.h"
 #include "capture/workflow/ttf_product.h"
 #include "db/archive.h"
 #include "processing/image/progress.h"
@@ -20,19 +21,27 @@ struct SpecimenPlace {
   double mm_per_texel = 0;
 };
 struct AfterOptions {
-  std::vector<std::string> steps;  // "ttf" "film"
+  std::vector<std::string> steps;  // "ttf" "film" "brdf" "stbrdf"
+  int degree = 3;                  // of "stbrdf"
   std::string version, process;
   std::uint64_t seed = 1;
   std::function<SpecimenPlace(const std::string& camera)> place;
+  RigLamps lamps;
 };
 struct AfterProduct {
   std::string kind, id;
   std::filesystem::path path;
   bool made = false;  // now; otherwise it was there
 };
-// One texture for each camera, light state (but "off") and exposure; one film for each texture.
+// One texture for each camera, light state (but "off") and exposure; one film for each texture. One
+// BRDF set with times for each camera, all its exposures merged; one ST-BRDF for each of them.
 std::vector<AfterProduct> finishRun(const std::filesystem::path& archive, const std::string& run_id,
                                     const AfterOptions& options,
                                     const std::function<UtcTime()>& now, Progress& progress);
+
+// Of a run that goes on and is to have them: the BRDF sets of those of its steps that wait for no
+// other. What is made here finishRun() does not make again.
+void feedRun(const std::filesystem::path& archive, const std::string& run_id,
+             const AfterOptions& options, Progress& progress);
 
 }  // namespace patina::workflow

@@ -43,6 +43,7 @@ std::string pick(const std::string& what, const std::string& option, const std::
 struct ArchiveFrames::Chosen {
   db::FrameRow frame;
   db::ShotRow shot;
+  std::int64_t step = 0;       // its number
   std::size_t bound = 0;       // in the chain
   std::vector<Chosen> longer;  // exposures of the same step, to be merged with this
 };
@@ -117,7 +118,7 @@ void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection
       partial.insert(one.step.id);
       return;
     }
-    all.push_back({one.frame, one.shot, 0, {}});
+    all.push_back({one.frame, one.shot, *one.step.number, 0, {}});
   });
   if (cameras.empty()) throw WorkflowError(Exit::kBadData, run_id_ + " has no frames");
   report_.camera = pick("camera", "--camera", selection.camera, cameras, run_id_);
@@ -132,7 +133,7 @@ void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection
       partial.insert(step.front().shot.step_id);
       continue;
     }
-    if (index++ % selection.every != 0) continue;
+    if (index++ % selection.every != 0 || step.front().step < selection.from_step) continue;
     Chosen chosen = std::move(step.front());
     chosen.longer.assign(std::make_move_iterator(step.begin() + 1),
                          std::make_move_iterator(step.end()));
@@ -227,10 +228,13 @@ void ArchiveFrames::decode(const Chosen& chosen, Decoding& decoding) const {
   Image<float>& light = decoding.merged.light;
   const std::array<float, 3>& gain = decoding.gains.front();
   if (chain_) {
-    light = chain_->apply(chosen.bound, decoding.files.front(), gain);
+    light = correction_.clipped == Clipped::kUnknown
+                ? chain_->applyWhereKnown(chosen.bound, decoding.files.front(), gain)
+                : chain_->apply(chosen.bound, decoding.files.front(), gain);
     return;
   }
   light = decodePicture(decoding.files.front()).linear;
+  if (correction_.clipped == Clipped::kUnknown) forgetWhites(light);
   if (gain == std::array<float, 3>{1, 1, 1}) return;
   const auto channels = static_cast<std::size_t>(light.channels());
   std::vector<float>& texels = light.texels();

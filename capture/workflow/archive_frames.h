@@ -28,11 +28,14 @@ struct FrameSelection {
   bool partial = false;  // also frames of steps that are not whole
   int every = 1;         // frame 0, every, 2*every ... of those there are
   bool merged = false;   // all exposures of a step in one frame, scaled and named as the shortest
+  std::int64_t from_step = 0;  // number; earlier ones count for `every` and are not given
 };
+enum class Clipped { kAsItIs, kUnknown };  // the latter: NaN, with what colours were mixed from it
 struct Correction {
   bool light_gain = true;  // per light and channel, as measured since, else of the light checks
   bool masters = true;     // response, dark (else bias), defects and flat, by key
   bool stale = false;      // also those out of tolerance, flagged; otherwise left out, with why
+  Clipped clipped = Clipped::kAsItIs;
 };
 
 class SensorChain;

@@ -100,7 +100,11 @@ std::optional<StateField> fieldOfState(const db::ArchiveReader& reader,
     else if (!other.empty())
       missing.push_back(choice.row ? other + "; " + shootInstead(lit, "gain_field") : other);
     if (!choice.row || !other.empty()) continue;
-    if (!first) first = choice.row;
+    if (!first) {
+      first = choice.row;
+      field.frames_over_field = exposureOver(frames, *first);
+      field.reflectance = Facts::parse(first->value_json).number("reflectance").value_or(1);
+    }
     addLevels(field, *choice.row, *first,
               readPicture(fileOfCalibration(reader, *choice.row)).linear);
     field.used.push_back(choice.used);
@@ -130,6 +134,15 @@ EvenLight evenLightOf(StateField field, std::optional<calibration::PlacePx> hold
     for (std::size_t c = 0; c < channels; ++c)
       light.scale.scale[c] = levels.at(x, y, static_cast<int>(c));
   }
+  light.used = std::move(field.used);
+  light.field = std::move(field.levels);
+  return light;
+}
+
+EvenLight whiteLightOf(StateField field) {
+  EvenLight light;
+  light.scale.channels = field.levels.channels();
+  light.scale.scale.fill(field.reflectance / field.frames_over_field);
   light.used = std::move(field.used);
   light.field = std::move(field.levels);
   return light;

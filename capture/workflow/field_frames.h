@@ -29,7 +29,9 @@ struct EvenLight {
 struct StateField {
   Image<float> levels;
   std::vector<RunCalibration> used;
-  std::string sha256s;  // of the files, joined by +
+  std::string sha256s;           // of the files, joined by +
+  double reflectance = 1;        // of the card that the first was taken from
+  double frames_over_field = 1;  // how much more light exposure and ISO of the frames let in
 };
 std::optional<StateField> fieldOfState(const db::ArchiveReader& reader,
                                        const calibration::CalibrationKey& frames, bool flat,
@@ -37,6 +39,9 @@ std::optional<StateField> fieldOfState(const db::ArchiveReader& reader,
 
 // Levels stay what they are at `hold` (the colour chart's middle), else on average.
 EvenLight evenLightOf(StateField field, std::optional<calibration::PlacePx> hold);
+
+// Levels over those that a flat white diffuser would show, by what is known of the fields' card.
+EvenLight whiteLightOf(StateField field);
 
 // By the albedo scale of this camera and light state and the field it was solved with, scaled by
 // exposure and ISO where both are known. Throws WorkflowError(kBadData), saying what to shoot.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "capture/workflow/frame_chain.h"
 
+#include <numeric>
 #include <utility>
 
 #include "capture/workflow/failure.h"
@@ -75,7 +76,9 @@ FrameChain::FrameChain(const db::ArchiveReader& reader, const db::RunRow& run,
 void FrameChain::evenTheLight(const calibration::CalibrationKey& key) {
   const bool flat = hasFlat(frames_.report()), stale = request_.correction.stale;
   std::optional<EvenLight> light;
-  if (request_.albedo) {
+  if (request_.white) {
+    light = whiteLight(key, flat);
+  } else if (request_.albedo) {
     if (request_.colour)
       throw WorkflowError(Exit::kUsage,
                           "both an albedo scale and a colour chart say what is white: choose one");
@@ -102,6 +105,25 @@ void FrameChain::evenTheLight(const calibration::CalibrationKey& key) {
   }
 }
 
+std::optional<EvenLight> FrameChain::whiteLight(const calibration::CalibrationKey& key, bool flat) {
+  const bool stale = request_.correction.stale;
+  std::optional<EvenLight> light;
+  if (chooseCalibration(reader_, "albedo", key, stale).row) {
+    light = albedoFor(reader_, key, flat, stale);
+  } else if (auto field = fieldOfState(reader_, key, flat, stale, left_)) {
+    light = whiteLightOf(std::move(*field));
+  }
+  if (!light) return light;
+  double scale = 0, level = light->field ? 0 : 1;
+  for (int c = 0; c < light->scale.channels; ++c) scale += light->scale.scale[c];
+  if (light->field) {
+    const std::vector<float>& levels = light->field->texels();
+    level = std::accumulate(levels.begin(), levels.end(), 0.0) / static_cast<double>(levels.size());
+  }
+  white_level_ = level * light->scale.channels / scale;
+  return light;
+}
+
 SizePx FrameChain::size() const { return rectify_ ? rectify_->map.size() : frames_.report().size; }
 
 void FrameChain::addOptions(Facts& options) const {
@@ -122,6 +144,7 @@ void FrameChain::addOptions(Facts& options) const {
   options.set("masters", frames.masters);
   if (request_.lamps.any())
     options.set("ambient", request_.lamps.ambient).set("lamps_apart", request_.lamps.apart);
+  if (request_.white) options.set("white", true);
   options.set("albedo", request_.albedo).set("field", even_.has_value() && !request_.albedo);
   if (request_.colour) options.text("colour", nameOf(*request_.colour));
   if (const auto& r = request_.registration) {

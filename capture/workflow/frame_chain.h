@@ -22,7 +22,8 @@ struct FrameRequest {
   Correction correction;
   LampCorrection lamps;
   FieldUse field = FieldUse::kWhereItFits;
-  bool albedo = false;                              // absolute: a perfect diffuser is 1
+  bool albedo = false;  // absolute: a perfect diffuser is 1
+  bool white = false;   // over a flat white diffuser, by albedo, else by field; else as it is
   std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
   std::optional<RectifyRequest> rectify;            // nothing: as the camera sees it
   std::optional<calibration::ColourSpace> colour;   // nothing: as the camera sees
@@ -39,6 +40,10 @@ class FrameChain {
 
   ttf::FrameSource& source() { return *source_; }
   SizePx size() const;
+  // Level of a frame that a white diffuser shows, where it was made 1: mean over its fields.
+  std::optional<double> whiteLevel() const { return white_level_; }
+  const std::optional<RectifyMap>& rectification() const { return rectify_; }
+  std::optional<calibration::NoiseModels> noise() const { return frames_.noise(); }
   double mmPerTexel() const { return rectify_ ? rectify_->mm_per_texel : 0; }  // 0: not known
   // What changes the result, but for the pictures' calibrations, which follow by addInputs().
   void addOptions(Facts& options) const;
@@ -58,6 +63,7 @@ class FrameChain {
 
  private:
   void evenTheLight(const calibration::CalibrationKey& key);
+  std::optional<EvenLight> whiteLight(const calibration::CalibrationKey& key, bool flat);
 
   const db::ArchiveReader& reader_;
   const std::string run_id_;
@@ -68,6 +74,7 @@ class FrameChain {
   std::vector<RunCalibration> of_run_;
   std::vector<std::string> left_;
   std::optional<FieldFrames> even_;
+  std::optional<double> white_level_;
   std::optional<RectifiedFrames> without_falloff_, rectified_;
   std::optional<RectifyMap> rectify_;
   std::optional<RegisteredFrames> registered_;

@@ -38,6 +38,7 @@ KeptCalibration keepGainField(const fs::path& archive, const GainFieldRequest& r
       .number("cover_width", outcome.report.cover_width)
       .number("cover_height", outcome.report.cover_height)
       .set("flat", outcome.from.flat);
+  if (request.reflectance > 0) calibration.values.number("reflectance", request.reflectance);
   addZoom(calibration.values, outcome.from.zoom);
   calibration.file_name = "gain_field.exr";
   calibration.write = [&](const fs::path& file) { writeExr(file, outcome.painted.view()); };

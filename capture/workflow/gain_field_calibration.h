@@ -17,6 +17,7 @@ struct GainFieldRequest {
   MeanPictureRequest pictures;
   std::vector<RectPx> target;  // where it shows; none: all over
   calibration::FieldOptions field;
+  double reflectance = 0;  // of the card, (0, 1]; 0: not known, which is taken for a white one
   std::string command, version;
 };
 struct GainFieldOutcome {

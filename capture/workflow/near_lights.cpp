@@ -21,19 +21,10 @@ constexpr int kBlockLeastPx = 4;   // smaller ones are noise
 constexpr double kDarkest = 0.02;  // of a block, share of full scale
 constexpr double kBrightest = 0.98;
 
-// From the camera's frame of spheres (y up, z to the camera) to the plane's.
-Vec turned(const calibration::View& view, const Vec& v) {
-  const Vec own{v[0], -v[1], -v[2]};
-  Vec out{};
-  for (std::size_t column = 0; column < 3; ++column)
-    for (std::size_t row = 0; row < 3; ++row)
-      out[column] += view.camera_from_plane[3 * row + column] * own[row];
-  return out;
-}
 Vec placed(const calibration::View& view, const Vec& at) {
   const Vec from_origin{at[0] - view.plane_origin_mm[0], at[1] + view.plane_origin_mm[1],
                         at[2] + view.plane_origin_mm[2]};
-  return turned(view, from_origin);
+  return planeFromCamera(view, from_origin);
 }
 
 std::optional<KnownView> viewFor(const fs::path& archive, const LitPictures& pictures,
@@ -108,7 +99,7 @@ void bySphere(const fs::path& archive, const NearLightsRequest& request, UtcTime
     for (calibration::LightRay& ray : rays[i]) {
       if (!view) continue;
       ray.from_mm = placed(view->view, ray.from_mm);
-      ray.direction = turned(view->view, ray.direction);
+      ray.direction = planeFromCamera(view->view, ray.direction);
     }
     outcome.lamps.push_back({names[i], calibration::positionFromRays(rays[i])});
   }
@@ -187,13 +178,15 @@ Facts factsOf(const NearLightsOutcome& outcome) {
   Facts facts;
   facts.text("schema", "patina.near_lights/1")
       .text("frame", outcome.of_plane ? "plane" : "camera")
-      .count("lamps", static_cast<std::int64_t>(outcome.lamps.size()));
+      .count("lamps", static_cast<std::int64_t>(outcome.lamps.size()))
+      .number("reflectance", outcome.reflectance);
   for (const PlacedLamp& lamp : outcome.lamps) {
     Facts one;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::string axis(1, "xyz"[k]);
       one.number(axis + "_mm", lamp.light.position_mm[k])
-          .number("sigma_" + axis + "_mm", lamp.light.sigma_mm[k]);
+          .number("sigma_" + axis + "_mm", lamp.light.sigma_mm[k])
+          .number("aim_" + axis + "_mm", lamp.light.aim_mm[k]);
     }
     one.number("strength", lamp.light.strength)
         .number("beam_exponent", lamp.light.beam_exponent)
@@ -214,6 +207,7 @@ NearLightsOutcome makeNearLights(const fs::path& archive, const NearLightsReques
   else
     byCard(archive, request, now, outcome, progress);
   outcome.row.kind = "near_lights";
+  outcome.reflectance = request.reflectance > 0 ? request.reflectance : 1;
   for (const RunCalibration& used : outcome.used) outcome.input_sha256s.push_back(used.sha256);
   return outcome;
 }
@@ -241,6 +235,52 @@ KeptCalibration keepNearLights(const fs::path& archive, const NearLightsRequest&
 
 void writeNearLights(const fs::path& file, const NearLightsOutcome& outcome) {
   writeFileAtomically(file, factsOf(outcome).json() + "\n");
+}
+
+NearLightsFile readNearLights(const fs::path& file) {
+  const Bytes bytes = readFile(file, 1 << 24);
+  const Facts facts =
+      Facts::parse(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  const auto refuse = [&file]() {
+    throw WorkflowError(Exit::kBadData, file.string() + " holds no near lamps of this Patina");
+  };
+  if (facts.text("schema") != "patina.near_lights/1") refuse();
+  NearLightsFile out;
+  out.of_plane = facts.text("frame") == "plane";
+  out.card_reflectance = facts.number("reflectance").value_or(1);
+  const std::string last = ".x_mm";
+  for (const auto& [key, value] : facts.all()) {
+    if (key.size() <= last.size() || !key.ends_with(last)) continue;
+    PlacedLamp lamp;
+    lamp.name = key.substr(0, key.size() - last.size());
+    const auto number = [&](const std::string& what) {
+      return facts.number(lamp.name + "." + what).value_or(0);
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string axis(1, "xyz"[k]);
+      lamp.light.position_mm[k] = number(axis + "_mm");
+      lamp.light.sigma_mm[k] = number("sigma_" + axis + "_mm");
+      lamp.light.aim_mm[k] = number("aim_" + axis + "_mm");
+    }
+    lamp.light.strength = number("strength");
+    lamp.light.beam_exponent = number("beam_exponent");
+    lamp.light.residual_rms = number("residual_rms");
+    lamp.light.points = static_cast<int>(number("points"));
+    if (!(lamp.light.position_mm[2] > 0)) refuse();
+    out.lamps.push_back(std::move(lamp));
+  }
+  return out;
+}
+
+// The camera's own axes have y down and z away from it.
+std::array<double, 3> planeFromCamera(const calibration::View& view,
+                                      const std::array<double, 3>& direction) {
+  const Vec own{direction[0], -direction[1], -direction[2]};
+  Vec out{};
+  for (std::size_t column = 0; column < 3; ++column)
+    for (std::size_t row = 0; row < 3; ++row)
+      out[column] += view.camera_from_plane[3 * row + column] * own[row];
+  return out;
 }
 
 }  // namespace patina::workflow

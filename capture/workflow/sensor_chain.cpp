@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "calibration/sensor/merge.h"
 #include "capture/workflow/calibration_record.h"
@@ -259,16 +260,47 @@ void SensorChain::prepare(Ready& ready, bool flat_apart) const {
     ready.response = readResponse(fileOfCalibration(reader_, row(at->second)));
 }
 
+void forgetWhites(Image<float>& linear) {
+  for (float& v : linear.texels())
+    if (v >= kWhite) v = std::numeric_limits<float>::quiet_NaN();
+}
+
 Image<float> SensorChain::apply(std::size_t bound, std::span<const std::byte> file,
                                 const calibration::ChannelGains& gain) const {
+  return apply(bound, file, gain, nullptr);
+}
+
+Image<float> SensorChain::applyWhereKnown(std::size_t bound, std::span<const std::byte> file,
+                                          const calibration::ChannelGains& gain) const {
+  Image<std::uint8_t> marks;
+  Image<float> light = apply(bound, file, gain, &marks);
+  const int reach = mosaic_ ? 1 : 0;  // a colour is mixed from the pixels around
+  for (int y = 0; y < marks.height(); ++y)
+    for (int x = 0; x < marks.width(); ++x) {
+      const auto own = marks.view().texel(x, y);
+      if (std::ranges::none_of(own, [](auto m) { return (m & calibration::kSaturated) != 0; }))
+        continue;
+      for (int v = std::max(0, y - reach); v <= std::min(light.height() - 1, y + reach); ++v)
+        for (int u = std::max(0, x - reach); u <= std::min(light.width() - 1, x + reach); ++u)
+          std::ranges::fill(light.view().texel(u, v), std::numeric_limits<float>::quiet_NaN());
+    }
+  return light;
+}
+
+Image<float> SensorChain::apply(std::size_t bound, std::span<const std::byte> file,
+                                const calibration::ChannelGains& gain,
+                                Image<std::uint8_t>* marks) const {
   const Ready& ready = ready_.at(bound);
   SensorPicture picture = decodeSensorPicture(file, ready.response ? &*ready.response : nullptr);
   if (!picture.raw) {
+    if (marks) *marks = whitesOf(picture.linear);
     calibration::correctLinear(picture.linear.view(), ready.correction, gain);
     return std::move(picture.linear);
   }
   Image<float> light(ready.size.width, ready.size.height, 1);
-  calibration::toRadiance(*picture.raw, ready.correction, gain, light.view());
+  if (marks) *marks = Image<std::uint8_t>(ready.size.width, ready.size.height, 1);
+  calibration::toRadiance(*picture.raw, ready.correction, gain, light.view(),
+                          marks ? marks->view() : ImageView<std::uint8_t>{});
   return demosaicLinear(std::as_const(light).view(), ready.correction.filters);
 }
 

@@ -59,6 +59,9 @@ class SensorChain {
   // bind and prepare.
   Image<float> apply(std::size_t bound, std::span<const std::byte> file,
                      const calibration::ChannelGains& gain) const;
+  // The same; what is clipped is not known: NaN, and so is what colours were mixed from it.
+  Image<float> applyWhereKnown(std::size_t bound, std::span<const std::byte> file,
+                               const calibration::ChannelGains& gain) const;
   // One of several exposures of a scene.
   struct Exposure {
     std::size_t bound = 0;
@@ -83,6 +86,8 @@ class SensorChain {
   const std::optional<calibration::NoiseModels>& noise() const { return noise_; }
 
  private:
+  Image<float> apply(std::size_t bound, std::span<const std::byte> file,
+                     const calibration::ChannelGains& gain, Image<std::uint8_t>* marks) const;
   using Chosen = std::map<std::string, db::RowId>;  // by kind
   struct Ready {
     Chosen chosen;
@@ -112,5 +117,8 @@ class SensorChain {
   std::vector<db::FrameCalibrationRow> bindings_;
   std::optional<calibration::NoiseModels> noise_;
 };
+
+// Samples of a picture without a chain that are clipped become NaN.
+void forgetWhites(Image<float>& linear);
 
 }  // namespace patina::workflow

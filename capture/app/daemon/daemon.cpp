@@ -91,6 +91,7 @@ class Daemon::Impl {
     keeper_.reset();
     dispatcher_.reset();
     after_.reset();
+    feeding_.reset();
   }
 
   void run(const std::stop_token& stop);
@@ -130,7 +131,7 @@ class Daemon::Impl {
   std::unique_ptr<db::Archive> archive_;
   ScrubWatch scrubs_;
   AfterRetries retries_;
-  std::unique_ptr<AfterWork> after_;
+  std::unique_ptr<AfterWork> feeding_, after_;
   std::unique_ptr<capture::notify::Dispatcher> dispatcher_;
   std::unique_ptr<RunKeeper> keeper_;
   std::optional<Surroundings> around_;
@@ -143,15 +144,20 @@ void Daemon::Impl::keep() {
   after_ = std::make_unique<AfterWork>(
       options_.after_command,
       [this](const std::string& run, const std::string& trouble) { afterwards(run, trouble); });
+  std::vector<std::string> so_far = options_.after_command;
+  so_far.emplace_back("--so-far");
+  // What fails is tried again with the next step, and told when the run is over.
+  feeding_ = std::make_unique<AfterWork>(so_far, [](const std::string&, const std::string&) {});
   dispatcher_ = std::make_unique<capture::notify::Dispatcher>(clock());
   dispatcher_->start();
-  KeeperOptions keeping{*archive_, clock(), broadcast_, openRig, {}, dispatcher_.get(), {}};
+  KeeperOptions keeping{*archive_, clock(), broadcast_, openRig, {}, dispatcher_.get(), {}, {}};
   if (options_.speed > 0)
     keeping.open_rig = openTwinOnly;
   else
     keeping.require_cameras = [](const devices::RigSpec& rig, devices::Clock& real) {
       rig::requireCameras(rig, real);
     };
+  keeping.stepped = [this](const std::string& run_id) { feeding_->add(run_id); };
   keeping.finished = [this](const std::string& run_id) {
     notifyStatus("making products");  // at once: they may be made before the main loop turns
     after_->add(run_id);

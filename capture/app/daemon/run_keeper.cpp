@@ -162,6 +162,11 @@ void RunKeeper::shootPlan(ActiveRun& run, const RunFiles& files, const capture::
                     std::move(channels.open));
     notices->hookInto(hooks);
   }
+  if (options_.stepped && capture::isFedBySteps(files.plan))
+    hooks.on_step = [this, id = run.id(), before = hooks.on_step](const db::StepRow& step) {
+      if (before) before(step);
+      if (step.decision == db::Decision::kCaptured) options_.stepped(id);
+    };
   try {
     devices::Rig rig = options_.open_rig(files, start, options_.clock);
     const auto summary =

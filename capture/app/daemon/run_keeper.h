@@ -35,6 +35,9 @@ struct KeeperOptions {
   std::function<void(const devices::RigSpec&, devices::Clock&)> require_cameras;
   // Tells people what their plans ask to be told; null: nobody. Outlives us.
   capture::notify::Dispatcher* dispatcher = nullptr;
+  // A step of a run was captured whose plan makes something of each. Returns at once. On the run's
+  // thread.
+  std::function<void(const std::string& run_id)> stepped;
   // A run is finished: its products are due. Returns at once. On the run's thread.
   std::function<void(const std::string& run_id)> finished;
 };

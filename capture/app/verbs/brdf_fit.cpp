@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "capture/app/context.h"
+#include "capture/app/verbs/brdf_verbs.h"
 #include "capture/app/verbs/verbs.h"
 #include "capture/workflow/reflectance_fit.h"
 
@@ -11,7 +12,8 @@ namespace {
 
 struct Options {
   workflow::ReflectanceRequest request;
-  std::string folder, lights, out;
+  RunFitOptions of_run;
+  std::string in, lights, out;
   bool no_residual = false, alone = false;
 };
 
@@ -41,11 +43,14 @@ void addLikeness(Item& item, const std::string& name, const workflow::Likeness& 
   item.set(name + "_psnr_db", Value{likeness.psnr_db}).set(name + "_ssim", Value{likeness.ssim});
 }
 
-void fit(Context& context, Options& options) {
+void fitFolder(Context& context, Options& options) {
   workflow::ReflectanceRequest& request = options.request;
+  if (options.lights.empty() || options.out.empty())
+    throw AppError(Exit::kUsage,
+                   "of a folder of pictures --lights FILE.lp and --out SET are needed");
   if (std::filesystem::exists(options.out))
     throw AppError(Exit::kCannotCreate, options.out + " is there already");
-  request.folder = options.folder;
+  request.folder = options.in;
   request.lights = options.lights;
   request.residual = !options.no_residual;
   request.fit.neighbours = !options.alone;
@@ -75,6 +80,21 @@ void fit(Context& context, Options& options) {
   context.out.add(std::move(item));
 }
 
+void fit(Context& context, Options& options) {
+  if (std::filesystem::is_directory(options.in)) return fitFolder(context, options);
+  if (context.options.archive.empty())
+    throw AppError(Exit::kUsage,
+                   "there is no folder " + options.in + "; if it is a run, give --archive DIR too");
+  if (!options.request.leave_out.empty())
+    throw AppError(Exit::kUsage, "--leave-out is of a folder of pictures");
+  workflow::RunReflectanceRequest& request = options.of_run.request;
+  request.fit.model = options.request.fit.model;
+  request.fit.neighbours = !options.alone;
+  request.lights = options.lights;
+  request.out = options.out;
+  fitRunOfArchive(context, options.of_run, options.in);
+}
+
 }  // namespace
 
 void addBrdfVerbs(Verb root) {
@@ -82,13 +102,15 @@ void addBrdfVerbs(Verb root) {
   auto o = std::make_shared<Options>();
   // Of 8-bit pictures: rounding, compression, and a response that is only nearly sRGB's.
   o->request.fit.noise = {0.003f, 0, 0.02f};
-  group
-      .verb("fit", "Normal, colour, gloss and roughness of every texel, as a BRDF set",
-            "patina brdf fit icon/ --lights dirs.lp --leave-out 4,8,12 --out SET",
-            [o](Context& context) { fit(context, *o); })
-      .required("FOLDER", o->folder, "The pictures, one a light, of one view")
-      .option("--lights", o->lights, "FILE.lp", "Their lights: `name x y z` a line")
-      .demand("--lights")
+  Verb verb = group.verb("fit",
+                         "Normal, colour, gloss and roughness of every texel, as a BRDF set; of a "
+                         "run one a step",
+                         "patina brdf fit icon/ --lights dirs.lp --leave-out 4,8,12 --out SET",
+                         [o](Context& context) { fit(context, *o); });
+  verb.required("IN", o->in, "A folder of pictures, one a light, of one view; or a run")
+      .option("--lights", o->lights, "FILE.lp",
+              "Their lights: `name x y z` a line; of a run by lamp, where the archive's "
+              "calibrations and the rig are not to tell")
       .option("--leave-out", o->request.leave_out, parseNumbers, "N,N,...",
               "Lights (from 1) that are not fitted but predicted, and the prediction judged")
       .option("--model", o->request.fit.model, parseModel, "NAME",
@@ -96,8 +118,8 @@ void addBrdfVerbs(Verb root) {
       .flag("--no-residual", o->no_residual,
             "Keep nothing but the reflectance: no residual of stored values over the lights")
       .flag("--alone", o->alone, "Texels ask no neighbours for a gloss that they cannot tell")
-      .option("--out", o->out, "SET", "Where to")
-      .demand("--out");
+      .option("--out", o->out, "SET", "Where to (default, of a run: inside the archive)");
+  addRunFitOptions(verb, o->of_run);
 }
 
 }  // namespace patina::app

@@ -84,6 +84,8 @@ void addCalibrateGainField(Verb& group) {
       .option("--light", o->request.pictures.light, "LAMP", "The lamp that lit them")
       .option("--exposure", o->exposure, 0, 99, "Of a run with several exposures: 0 is the first")
       .option("--degree", o->request.field.degree, 0, 8, "Of the polynomial")
+      .option("--reflectance", o->request.reflectance, 0, 1,
+              "Of the card: for what tells reflectance by its fields (default: white)")
       .option("--frames", o->request.pictures.frames_most, 1, 1000, "As many are averaged at most")
       .option("--out", o->out, "FILE.exr", "Write it here too; needs no archive then");
 }

@@ -88,6 +88,8 @@ void addCalibrateNearLights(Verb& group) {
               "In mm: it is a mirror sphere (default: a card that lies on the specimen's plane)")
       .option("--target", o->targets, "X,Y,W,H",
               "Where the card shows (default: all over); may be given several times")
+      .option("--reflectance", o->request.reflectance, 0, 1,
+              "Of the card: for what tells reflectance by its lamps (default: white)")
       .flag("--beam", o->request.shading.beam, "A lamp with a cone: its exponent too; needs --aim")
       .option("--aim", o->aim, "X,Y,Z", "Where such a lamp points to, mm of the plane")
       .option("--camera", o->request.camera, "ID", "The camera they were taken with")

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "calibration/lens/rectification.h"
 #include "capture/app/command_line.h"
 #include "capture/workflow/archive_frames.h"
 #include "capture/workflow/sequence.h"
@@ -17,6 +18,8 @@ struct FrameOptions {
 };
 // `options` lives until the verb has run.
 void addFrameOptions(Verb& verb, FrameOptions& options);
+int parseExposureNumber(const std::string& text);
+calibration::RegionMm parseRegionMm(const std::string& text);  // "LEFT,BOTTOM,WIDTH,HEIGHT"
 workflow::Correction correctionOf(const FrameOptions& options);
 
 // IN of film, sheet and keogram: a TTF file that is there, else a TTF or run of the archive.

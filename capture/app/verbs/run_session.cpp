@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "capture/app/daemon/ack_log.h"
+#include "capture/app/daemon/after_work.h"
 #include "capture/app/verbs/specimen_place.h"
 #include "db/power_cut.h"
 
@@ -48,6 +49,33 @@ Item summaryItem(const capture::SessionSummary& summary, const capture::RunStart
                        .set("failed", last.failed)
                        .set("partial", last.partial)
                        .set("event_log_sha256", summary.event_log_sha256.c_str()));
+}
+
+// What can be made of a run that goes on: in virtual time between its steps, else in a process of
+// its own, which ends with the session.
+std::unique_ptr<daemon::AfterWork> feedAsStepsArrive(Context& context, const RunFiles& files,
+                                                     const devices::Clock& clock,
+                                                     const capture::RunStart& start,
+                                                     capture::SessionHooks& hooks) {
+  if (!capture::isFedBySteps(files.plan)) return nullptr;
+  std::unique_ptr<daemon::AfterWork> work;
+  std::function<void()> feed = [&context, &files, run_id = start.run_id] {
+    workflow::feedRun(context.archive(), run_id, afterOptions(files), context.progress);
+  };
+  if (clock.threadSafe()) {
+    work = std::make_unique<daemon::AfterWork>(
+        std::vector<std::string>{std::filesystem::read_symlink("/proc/self/exe").string(), "run",
+                                 "after", "--archive",
+                                 std::filesystem::absolute(context.archive()).string(), "--quiet",
+                                 "--with-parent", "--so-far"},
+        [](const std::string&, const std::string&) {});  // what fails is told when the run ends
+    feed = [&feeder = *work, run_id = start.run_id] { feeder.add(run_id); };
+  }
+  hooks.on_step = [feed, before = hooks.on_step](const db::StepRow& step) {
+    if (before) before(step);
+    if (step.decision == db::Decision::kCaptured) feed();
+  };
+  return work;
 }
 
 }  // namespace
@@ -98,6 +126,8 @@ void runToEnd(Context& context, const RunOptions& options, const RunFiles& files
     context.verbose(alertLine(news));
   };
   if (notices) notices->hookInto(hooks);
+  const std::unique_ptr<daemon::AfterWork> feeding =
+      feedAsStepsArrive(context, files, clock, start, hooks);
   if (start.resumed) context.verbose("going on with " + start.run_id);
   capture::SessionSummary summary;
   try {
@@ -127,15 +157,21 @@ void runToEnd(Context& context, const RunOptions& options, const RunFiles& files
   }
 }
 
-void finishAfter(Context& context, const RunFiles& files, const std::string& run_id, Item item) {
+workflow::AfterOptions afterOptions(const RunFiles& files) {
   workflow::AfterOptions after;
   after.steps = files.plan.after;
+  after.degree = files.plan.after_degree;
   after.version = PATINA_VERSION;
   after.seed = files.plan.seed;
   if (files.rig.twin) after.process = files.rig.twin->specimen;
   after.place = [&files](const std::string& camera) { return placeOfSpecimen(files.rig, camera); };
+  after.lamps = lampsOf(files.rig);
+  return after;
+}
+
+void finishAfter(Context& context, const RunFiles& files, const std::string& run_id, Item item) {
   const auto products = workflow::finishRun(
-      context.archive(), run_id, after, [&context] { return context.clock.utc(); },
+      context.archive(), run_id, afterOptions(files), [&context] { return context.clock.utc(); },
       context.progress);
   std::vector<std::string> paths;
   for (const workflow::AfterProduct& product : products) paths.push_back(product.path.string());

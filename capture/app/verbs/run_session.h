@@ -49,6 +49,8 @@ class OwnedArchive {
 void runToEnd(Context& context, const RunOptions& options, const RunFiles& files,
               OwnedArchive& archive, devices::Clock& clock, const capture::RunStart& start,
               capture::notify::RunNotices* notices = nullptr);
+// What a plan and its rig say of the steps after; `files` outlives it.
+workflow::AfterOptions afterOptions(const RunFiles& files);
 // Only the steps after: for a run that ended before them.
 void finishAfter(Context& context, const RunFiles& files, const std::string& run_id, Item item);
 

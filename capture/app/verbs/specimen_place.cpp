@@ -19,4 +19,10 @@ workflow::SpecimenPlace placeOfSpecimen(const devices::RigSpec& rig, const std::
   return place;
 }
 
+workflow::RigLamps lampsOf(const devices::RigSpec& rig) {
+  workflow::RigLamps lamps;
+  for (const devices::LightSpec& light : rig.lights) lamps[light.id] = light.position_mm;
+  return lamps;
+}
+
 }  // namespace patina::app

@@ -11,4 +11,6 @@ namespace patina::app {
 // The specimen in a camera's picture when the rig is a twin's; the whole picture otherwise.
 workflow::SpecimenPlace placeOfSpecimen(const devices::RigSpec& rig, const std::string& camera);
 
+workflow::RigLamps lampsOf(const devices::RigSpec& rig);
+
 }  // namespace patina::app

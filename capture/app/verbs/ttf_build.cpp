@@ -21,15 +21,6 @@ struct Options : FrameOptions {
   std::string out, again;
 };
 
-calibration::RegionMm parseRegionMm(const std::string& text) {
-  calibration::RegionMm r;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%c", &r.left, &r.bottom, &r.width, &r.height,
-                  &rest) != 4)
-    throw AppError(Exit::kUsage, "'" + text + "' is no region: LEFT,BOTTOM,WIDTH,HEIGHT in mm");
-  return r;
-}
-
 // The twin knows where its specimen is; of another rig's picture everything is taken.
 void placeRegion(Options& options, const std::filesystem::path& archive) {
   workflow::TtfRequest& request = options.request;

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/run_reflectance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/workflow/failure.h"
+#include "capture/workflow/folder_lock.h"
+#include "processing/image/parallel_rows.h"
+
+namespace patina::workflow {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kLampNoise = 0.002f;  // relative: from shot to shot, and of the calibrations
+
+// What one light state's pictures are multiplied by, and the light they are then of.
+struct StateLight {
+  brdf::SurfaceLight light;  // over the map
+  double white_level = 1;    // of a frame, before
+  bool even = false;  // frames are over what a flat white diffuser shows: its light is put back
+};
+
+fs::path folderOf(const fs::path& archive, const RunReflectanceRequest& request,
+                  const std::string& id) {
+  return request.out.empty() ? db::ProductWriter::folderFor(archive, id)
+                             : fs::absolute(request.out).lexically_normal();
+}
+
+class RunFit {
+ public:
+  RunFit(const fs::path& archive, const RunReflectanceRequest& request, Progress& progress)
+      : archive_(archive),
+        request_(request),
+        progress_(progress),
+        reader_(archive),
+        run_(reader_.findRun(request.run)),
+        plan_(planSweeps(reader_, run_.id, request.frames.selection)) {
+    if (plan_.steps.empty())
+      throw WorkflowError(Exit::kBadData,
+                          run_.id + " has no whole step yet; partial ones are left out");
+    outcome_.run_id = run_.id;
+    outcome_.camera = plan_.camera;
+    outcome_.partial = plan_.partial;
+    const std::string of = run_.id + "-" + plan_.camera + (request.after.empty() ? "" : "-after");
+    id_ = freeProductId(reader_, "brdf", of);
+    outcome_.set = folderOf(archive, request, id_);
+    for (const std::string& state : plan_.other_states)
+      outcome_.warnings.push_back("light state " + state +
+                                  " has several lamps at once and is left out");
+  }
+
+  RunReflectanceOutcome run(UtcTime now) {
+    const std::size_t count = plan_.steps.size() - (request_.so_far ? 1 : 0);
+    if (count == 0) return std::move(outcome_);
+    refuseOther();
+    const FolderLock lock(outcome_.set);
+    // Calibrations and lights are those of any step's frames: found out on the first.
+    auto sweeps = std::make_unique<Sweeps>(reader_, run_, plan_, frames(), 0, progress_);
+    prepare(*sweeps);
+    describe(*sweeps);
+    std::size_t from = 0;
+    std::string print = stepPrint(0);
+    while (from < count && isThere(from, print)) {
+      keepStep(from, false, {}, 0);
+      print_before_ = print;
+      print = stepPrint(++from);
+    }
+    if (from > 0 && from < count)
+      sweeps = std::make_unique<Sweeps>(reader_, run_, plan_, frames(), from, progress_);
+    for (std::size_t step = from; step < count; ++step) {
+      fitStep(step, *sweeps->next());
+      print_before_ = stepPrint(step);
+    }
+    if (!request_.so_far) finish(*sweeps, now);
+    return std::move(outcome_);
+  }
+
+ private:
+  FrameRequest frames() const {
+    FrameRequest frames = request_.frames;
+    frames.white = true;
+    // Poses are found on whole pictures: there levels beyond white are told by their size alone.
+    if (!frames.registration) frames.correction.clipped = Clipped::kUnknown;
+    return frames;
+  }
+
+  // A set that is finished, and what is none, is not written into.
+  void refuseOther() const {
+    if (request_.out.empty() || !fs::exists(outcome_.set) || fs::is_empty(outcome_.set)) return;
+    if (fs::exists(outcome_.set / "manifest.json") || !brdf::brdfStepIsThere(outcome_.set, 0))
+      throw WorkflowError(Exit::kCannotCreate, outcome_.set.string() + " is there already");
+  }
+
+  RectPx regionOf(SizePx whole) const {
+    const RectPx all{0, 0, whole.width, whole.height};
+    if (!request_.region || request_.frames.rectify) return all;
+    const RectPx& r = *request_.region;
+    if (r.x < 0 || r.y < 0 || r.x + r.width > whole.width || r.y + r.height > whole.height)
+      throw WorkflowError(Exit::kUsage, "the region does not lie within the frames of " +
+                                            std::to_string(whole.width) + "x" +
+                                            std::to_string(whole.height) + " pixels");
+    return r;
+  }
+
+  void prepare(const Sweeps& sweeps) {
+    const FrameChain& chain = sweeps.chain(0);
+    const SizePx whole = chain.size();
+    region_ = regionOf(whole);
+    mm_per_texel_ = chain.mmPerTexel() > 0 ? chain.mmPerTexel() : request_.mm_per_texel;
+    outcome_.mm_per_texel = mm_per_texel_;
+    double x_mm = (region_.x + region_.width / 2.0 - whole.width / 2.0) * mm_per_texel_,
+           y_mm = (whole.height / 2.0 - region_.y - region_.height / 2.0) * mm_per_texel_;
+    if (const auto& rectified = chain.rectification()) {
+      x_mm = rectified->region.left + rectified->region.width / 2;
+      y_mm = rectified->region.bottom + rectified->region.height / 2;
+    }
+    RunLightsRequest lights{request_.lights, request_.rig, request_.frames.rectify.has_value(),
+                            request_.frames.correction.stale};
+    const RunLights found =
+        lightsOfRun(reader_, keyOf(chain.frames(), run_.t0_utc), plan_.states, lights);
+    for (std::size_t i = 0; i < plan_.states.size(); ++i)
+      addLight(found.lights[i], sweeps.chain(i), x_mm, y_mm);
+    light_calibrations_ = found.used;
+    outcome_.warnings.insert(outcome_.warnings.end(), found.left.begin(), found.left.end());
+    warnOfWhite();
+    options_ = request_.fit;
+    options_.mm_per_texel = mm_per_texel_ > 0 ? static_cast<float>(mm_per_texel_) : 1;
+    options_.saturated = saturatedLevel();
+    if (const auto noise = chain.noise()) options_.noise = noiseOf(*noise);
+  }
+
+  // A lamp of unknown distance over texels of unknown size is as far away as can be.
+  brdf::SurfaceLight overMap(const brdf::SurfaceLight& light, double x_mm, double y_mm) const {
+    if (!light.near || mm_per_texel_ > 0) return seenFrom(light, x_mm, y_mm);
+    brdf::SurfaceLight distant;
+    distant.direction = brdf::normalized(light.position_mm);
+    distant.strength = 1 / distant.direction.z;
+    return distant;
+  }
+
+  void addLight(const RunLight& found, const FrameChain& chain, double x_mm, double y_mm) {
+    StateLight state;
+    state.light = overMap(found.light, x_mm, y_mm);
+    const std::optional<double> by_card = chain.whiteLevel();
+    state.even = by_card.has_value();
+    state.white_level = by_card ? *by_card : found.strength_known ? 1 : request_.white_level;
+    std::string how = by_card ? "white by card" : "white as told";
+    if (!by_card && found.strength_known) how = "white by its strength";
+    outcome_.lights.push_back(found.state + ": " + found.from + "; " + how);
+    if (!found.sha256.empty()) light_sha256s_.push_back(found.sha256);
+    states_.push_back(state);
+  }
+
+  void warnOfWhite() {
+    const auto told = std::ranges::count_if(
+        outcome_.lights, [](const std::string& light) { return light.ends_with("white as told"); });
+    if (told > 0)
+      outcome_.warnings.push_back(
+          "nothing in the archive tells what white is under " + std::to_string(told) + " of " +
+          std::to_string(outcome_.lights.size()) +
+          " lamps: each is taken to light a white card in the middle to " +
+          std::to_string(request_.white_level) +
+          " of full scale; run `patina calibrate field` on pictures of a card, or `patina "
+          "calibrate albedo`");
+  }
+
+  // Of registered frames: no level that may be clipped counts, wherever in the picture it is.
+  float saturatedLevel() const {
+    if (!request_.frames.registration) return 1e6f;
+    double least = HUGE_VAL;
+    for (const StateLight& state : states_) least = std::min(least, 1 / state.white_level);
+    return static_cast<float>(0.98 * least);
+  }
+
+  brdf::FitNoise noiseOf(const calibration::NoiseModels& models) const {
+    double scale = 0;
+    for (const StateLight& state : states_)
+      scale += 1 / state.white_level / static_cast<double>(states_.size());
+    const calibration::NoiseModel& green = models[1];
+    brdf::FitNoise noise;
+    noise.floor = static_cast<float>(scale * std::sqrt(green.variance(0)) / green.range());
+    noise.shot = static_cast<float>(scale / (green.electrons_per_number * green.range()));
+    noise.gain = kLampNoise;
+    return noise;
+  }
+
+  // What every step's result depends on, besides its frames.
+  void describe(const Sweeps& sweeps) {
+    making_ = {request_.command, {}, 0, request_.version, {}};
+    sweeps.chain(0).addOptions(making_.options);
+    Facts& options = making_.options;
+    options.text("model", brdf::nameOf(options_.model)).set("lights", outcome_.lights);
+    options.count("states", static_cast<std::int64_t>(states_.size()));
+    options.text("region", rectText(region_)).number("mm_per_texel", mm_per_texel_);
+    options.number("white_level", request_.white_level);
+    options.set("neighbours", options_.neighbours).set("earlier_steps", request_.earlier_steps);
+    options.number("noise_floor", options_.noise.floor).number("noise_shot", options_.noise.shot);
+    options.number("noise_gain", options_.noise.gain);
+    common_ = request_.version + "\n";
+    Facts common;  // the masters of a step are those bound to its own frames
+    for (const auto& [key, value] : options.all())
+      if (key != "masters") common.set(key, value);
+    common_.append(common.json()).append("\n");
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      const brdf::SurfaceLight& light = states_[i].light;
+      for (const float v : {light.direction.x, light.direction.y, light.direction.z,
+                            light.position_mm.x, light.position_mm.y, light.position_mm.z,
+                            light.strength, static_cast<float>(states_[i].white_level)})
+        common_.append(std::to_string(v)).append(" ");
+      addCalibrations(sweeps.chain(i));
+    }
+    for (const std::string& sha256 : light_sha256s_) common_.append(sha256).append("\n");
+    for (const std::string& sha256 : light_sha256s_) addInput(sha256);
+  }
+
+  void addInput(const std::string& sha256) {
+    auto& inputs = making_.input_sha256s;
+    if (std::ranges::find(inputs, sha256) == inputs.end()) inputs.push_back(sha256);
+  }
+
+  // Masters and fields; of frames only those of the steps at hand matter to a step.
+  void addCalibrations(const FrameChain& chain) {
+    Making of_chain;
+    chain.addInputs(of_chain);
+    const auto frames = static_cast<std::size_t>(chain.frames().frames) *
+                        static_cast<std::size_t>(chain.frames().exposures);
+    for (std::size_t i = frames; i < of_chain.input_sha256s.size(); ++i)
+      addInput(of_chain.input_sha256s[i]);
+    for (const db::FrameCalibrationRow& row : chain.bindings())
+      bound_[row.frame_id].push_back(row.calibration_id);
+  }
+
+  std::string stepPrint(std::size_t step) const {
+    std::string text = common_ + print_before_;
+    const std::size_t last = std::min(step + 1, plan_.steps.size() - 1);
+    for (std::size_t k = step > 0 ? step - 1 : 0; k <= last; ++k) {
+      const SweepStep& of = plan_.steps[k];
+      for (const std::string& frame : of.frame_sha256s) text.append(frame).append("\n");
+      for (const db::RowId frame : of.frame_ids)
+        if (const auto bound = bound_.find(frame); bound != bound_.end())
+          for (const db::RowId calibration : bound->second)
+            text.append(std::to_string(calibration)).append(" ");
+    }
+    return sha256(text).hex();
+  }
+
+  bool isThere(std::size_t step, const std::string& print) const {
+    if (!brdf::brdfStepIsThere(outcome_.set, static_cast<int>(step))) return false;
+    return brdf::readManifest(brdf::brdfStepFolder(outcome_.set, static_cast<int>(step)))
+               .text("made_of_sha256") == print;
+  }
+
+  brdf::BrdfSetInfo infoOf(std::size_t steps) const {
+    brdf::BrdfSetInfo info;
+    info.model = options_.model;
+    if (info.model == brdf::Model::kTorranceSparrow) info.roughness = brdf::RoughnessKind::kSigma;
+    for (std::size_t k = 0; k < steps; ++k) info.times.push_back(plan_.steps[k].time_s);
+    return info;
+  }
+
+  void keepStep(std::size_t step, bool fitted, const brdf::MultiLightReport& report,
+                std::size_t lights) {
+    outcome_.steps.push_back({plan_.steps[step].number, plan_.steps[step].time_s, fitted,
+                              static_cast<std::int64_t>(lights), report});
+  }
+
+  // The region, as if a lamp of the model's own fall-off lit it.
+  Image<float> pictureOf(const Image<float>& frame, const StateLight& state) const {
+    Image<float> picture = copyOf<float>(ImageView<const float>(frame.view()).crop(region_));
+    const SizePx size = picture.size();
+    const int channels = picture.channels();
+    const auto scale = static_cast<float>(state.even ? 1 : 1 / state.white_level);
+    forEachRow(size.height, std::int64_t{size.width} * 16, [&](int y) {
+      for (int x = 0; x < size.width; ++x) {
+        float factor = scale;
+        if (state.even) {
+          const brdf::PlaceMm at = brdf::placeOf(x, y, size, options_.mm_per_texel);
+          const brdf::LightRay ray = brdf::rayAt(state.light, {0, 0, 1}, at.x, at.y);
+          factor = ray.irradiance * ray.l.z;
+        }
+        for (int c = 0; c < channels; ++c) picture.at(x, y, c) *= factor;
+      }
+    });
+    return picture;
+  }
+
+  void fitStep(std::size_t step, const SweepPictures& sweep) {
+    std::vector<Image<float>> pictures;
+    std::vector<brdf::FitSample> samples;
+    for (const SweepPicture& one : sweep.pictures)
+      pictures.push_back(pictureOf(one.linear, states_[one.state]));
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+      samples.push_back({pictures[i].view(), states_[sweep.pictures[i].state].light, {0, 0, 1}});
+    const brdf::BrdfMaps earlier = mapsBefore(step);
+    std::vector<brdf::FitBefore> before;
+    if (!earlier.roughness.empty())
+      before.push_back({earlier.specular.view(), earlier.roughness.view(),
+                        earlier.extra.at("Confidence").view()});
+    brdf::MultiLightFit fit = brdf::fitManyLights(samples, options_, before, progress_);
+    brdf::BrdfSetInfo info = infoOf(plan_.steps.size());
+    info.facts.text("made_of_sha256", stepPrint(step));
+    info.facts.count("step", plan_.steps[step].number);
+    info.facts.count("lights", static_cast<std::int64_t>(samples.size()));
+    info.facts.number("residual_rms", fit.report.residual_rms);
+    brdf::writeBrdfStep(outcome_.set, info, static_cast<int>(step), fit.maps);
+    keepStep(step, true, fit.report, samples.size());
+  }
+
+  // From the disk, so that a fit that was stopped goes on with the same numbers.
+  brdf::BrdfMaps mapsBefore(std::size_t step) const {
+    if (step == 0 || !request_.earlier_steps || options_.model == brdf::Model::kLambert) return {};
+    brdf::BrdfMaps maps =
+        brdf::readBrdfMaps(outcome_.set, infoOf(step), static_cast<int>(step) - 1);
+    if (!maps.extra.contains("Confidence")) return {};
+    return maps;
+  }
+
+  void finish(const Sweeps& sweeps, UtcTime now) {
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      const FrameChain& chain = sweeps.chain(i);
+      for (const std::string& used : chain.calibrations())
+        if (std::ranges::find(outcome_.calibrations, used) == outcome_.calibrations.end())
+          outcome_.calibrations.push_back(used);
+      for (const std::string& left : chain.left())
+        if (std::ranges::find(outcome_.warnings, left) == outcome_.warnings.end())
+          outcome_.warnings.push_back(left);
+      if (const auto bindings = chain.bindings(); !bindings.empty())
+        db::ProductWriter::bind(archive_, bindings);
+    }
+    for (const SweepStep& step : plan_.steps)
+      for (const std::string& frame : step.frame_sha256s) making_.input_sha256s.push_back(frame);
+    brdf::BrdfSetInfo info = infoOf(plan_.steps.size());
+    const Facts made = making_.facts();
+    info.facts.text("command", request_.command).text("version", request_.version);
+    info.facts.text("run_id", run_.id).text("inputs_sha256", *made.text("inputs_sha256"));
+    info.facts.text("made_of_sha256", print_before_);
+    info.facts.number("mm_per_texel", mm_per_texel_).set("lights", outcome_.lights);
+    std::vector<double> numbers;
+    for (const SweepStep& step : plan_.steps) numbers.push_back(static_cast<double>(step.number));
+    info.facts.set("steps", numbers);
+    brdf::finishBrdfSet(outcome_.set, info);
+    record(now);
+  }
+
+  void record(UtcTime now) {
+    Facts metadata;
+    metadata.text("specimen", run_.specimen).text("camera", plan_.camera);
+    metadata.count("steps", static_cast<std::int64_t>(plan_.steps.size()));
+    metadata.count("steps_partial_left_out", static_cast<std::int64_t>(plan_.partial.size()));
+    metadata.count("t0_utc_ns", toNs(run_.t0_utc)).number("mm_per_texel", mm_per_texel_);
+    if (!request_.after.empty()) metadata.text("after", request_.after);
+    const ProductFile file{id_, outcome_.set / "manifest.json", request_.out.empty()};
+    outcome_.product = recordProduct(archive_, file, "brdf", run_.id, making_, metadata, now);
+  }
+
+  const fs::path archive_;
+  const RunReflectanceRequest& request_;
+  Progress& progress_;
+  const db::ArchiveReader reader_;
+  const db::RunRow run_;
+  const SweepPlan plan_;
+  std::string id_;
+  RunReflectanceOutcome outcome_;
+  RectPx region_;
+  double mm_per_texel_ = 0;
+  std::vector<StateLight> states_;
+  std::vector<RunCalibration> light_calibrations_;
+  std::vector<std::string> light_sha256s_;
+  brdf::MultiLightOptions options_;
+  Making making_;
+  std::map<db::RowId, std::vector<db::RowId>> bound_;  // calibrations of each frame
+  std::string common_, print_before_;
+};
+
+}  // namespace
+
+RunReflectanceOutcome fitRun(const fs::path& archive, const RunReflectanceRequest& request,
+                             UtcTime now, Progress& progress) {
+  return RunFit(archive, request, progress).run(now);
+}
+
+}  // namespace patina::workflow

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "capture/workflow/sweep_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "capture/workflow/failure.h"
+#include "capture/workflow/picture_times.h"
+#include "processing/image/parallel_rows.h"
+
+namespace patina::workflow {
+namespace {
+
+using Captured = db::ArchiveReader::CapturedFrame;
+
+bool isLamp(const std::string& state) {
+  return state != "off" && state.find('+') == std::string::npos;
+}
+
+// The one asked for, or the only one.
+std::string pick(const std::set<std::string>& there, const std::string& asked,
+                 const std::string& what, const std::string& option, const std::string& run) {
+  if (asked.empty() && there.size() == 1) return *there.begin();
+  if (there.contains(asked)) return asked;
+  std::string choices;
+  for (const std::string& one : there) choices.append(choices.empty() ? "" : ", ").append(one);
+  throw WorkflowError(
+      Exit::kUsage,
+      asked.empty() ? run + " has several " + what + "s; choose one by " + option + ": " + choices
+                    : run + " has no " + what + " '" + asked + "'; there are: " + choices);
+}
+
+std::int64_t nsOf(double time_s) { return std::llround(time_s * 1e9); }
+
+}  // namespace
+
+SweepPlan planSweeps(const db::ArchiveReader& reader, const std::string& run_id,
+                     const FrameSelection& selection) {
+  const db::RunRow run = reader.findRun(run_id);
+  std::set<std::string> cameras, exposures, lamps, others;
+  reader.eachFrame(run.id, [&](const Captured& one) {
+    if (!one.step.number || one.frame.file_index != selection.file_index) return;
+    cameras.insert(one.shot.device_id);
+    exposures.insert(std::to_string(one.shot.exposure_index));
+  });
+  if (cameras.empty()) throw WorkflowError(Exit::kBadData, run.id + " has no frames");
+  SweepPlan plan;
+  plan.camera = pick(cameras, selection.camera, "camera", "--camera", run.id);
+  if (!selection.merged)
+    pick(exposures, selection.exposure ? std::to_string(*selection.exposure) : "", "exposure",
+         "--exposure", run.id);
+  struct Span {
+    double first = HUGE_VAL, last = -HUGE_VAL;
+    SweepStep step;
+  };
+  std::map<std::int64_t, Span> whole;
+  std::set<std::int64_t> partial;
+  reader.eachFrame(run.id, [&](const Captured& one) {
+    if (!one.step.number || one.frame.file_index != selection.file_index ||
+        one.shot.device_id != plan.camera)
+      return;
+    if (!selection.merged && selection.exposure && one.shot.exposure_index != *selection.exposure)
+      return;
+    if (!isLamp(one.shot.light_state)) {
+      if (one.shot.light_state != "off") others.insert(one.shot.light_state);
+      return;
+    }
+    lamps.insert(one.shot.light_state);
+    if (one.step.decision != db::Decision::kCaptured ||
+        one.step.shots_captured < one.step.shots_due) {
+      partial.insert(*one.step.number);
+      return;
+    }
+    Span& span = whole[*one.step.number];
+    const double time_s = toSeconds(one.frame.utc - run.t0_utc);
+    span.first = std::min(span.first, time_s);
+    span.last = std::max(span.last, time_s);
+    span.step.number = *one.step.number;
+    span.step.frame_sha256s.push_back(one.frame.sha256.hex());
+    span.step.frame_ids.push_back(one.frame.id);
+  });
+  if (lamps.empty())
+    throw WorkflowError(Exit::kBadData, run.id +
+                                            " has no shots under one lamp alone; give its plan "
+                                            "lights = [[\"a\"], [\"b\"], ...]");
+  std::int64_t index = 0;
+  for (auto& [number, span] : whole) {
+    if (index++ % selection.every != 0) continue;
+    span.step.time_s = (span.first + span.last) / 2;
+    plan.steps.push_back(std::move(span.step));
+  }
+  plan.states.assign(lamps.begin(), lamps.end());
+  std::sort(plan.states.begin(), plan.states.end(), naturalLess);
+  plan.partial.assign(partial.begin(), partial.end());
+  plan.other_states.assign(others.begin(), others.end());
+  return plan;
+}
+
+Sweeps::Sweeps(const db::ArchiveReader& reader, const db::RunRow& run, const SweepPlan& plan,
+               const FrameRequest& request, std::size_t from, Progress& progress)
+    : plan_(plan), at_(from) {
+  std::map<std::int64_t, std::size_t> index_of;
+  for (std::size_t k = 0; k < plan.steps.size(); ++k) index_of[plan.steps[k].number] = k;
+  reader.eachFrame(run.id, [&](const Captured& one) {
+    const auto step = one.step.number ? index_of.find(*one.step.number) : index_of.end();
+    if (step != index_of.end())
+      step_of_[{one.frame.sha256.hex(), nsOf(toSeconds(one.frame.utc - run.t0_utc))}] =
+          step->second;
+  });
+  FrameRequest of_state = request;
+  of_state.selection.camera = plan.camera;
+  // Poses hang together from the first frame on: a registered run is gone through whole.
+  if (!request.registration && from > 0) of_state.selection.from_step = plan.steps[from - 1].number;
+  for (const std::string& state : plan.states) {
+    of_state.selection.light = state;
+    auto stream = std::make_unique<Stream>();
+    stream->chain = std::make_unique<FrameChain>(reader, run, of_state, progress);
+    streams_.push_back(std::move(stream));
+  }
+}
+
+Sweeps::~Sweeps() = default;
+
+// As far as the first frame behind step `upto`.
+void Sweeps::pull(Stream& stream, std::size_t upto) {
+  while (!stream.ended && (stream.frames.empty() || stream.frames.back().step <= upto)) {
+    std::optional<ttf::SourceFrame> frame = stream.chain->source().next();
+    if (!frame) {
+      stream.ended = true;
+      return;
+    }
+    const auto step = step_of_.find({frame->source.hex(), nsOf(frame->time_s)});
+    if (step != step_of_.end())
+      stream.frames.push_back({step->second, frame->time_s, std::move(frame->linear)});
+    while (stream.frames.size() > 1 && stream.frames[1].step < at_) stream.frames.pop_front();
+  }
+}
+
+std::optional<Image<float>> Sweeps::ofMoment(Stream& stream, std::size_t step) {
+  pull(stream, step);
+  while (stream.frames.size() > 1 && stream.frames[1].step < step) stream.frames.pop_front();
+  const auto own = std::ranges::find(stream.frames, step, &Frame::step);
+  if (own == stream.frames.end()) return std::nullopt;
+  const double late_s = plan_.steps[step].time_s - own->time_s;
+  const Frame* before = own == stream.frames.begin() ? nullptr : &*std::prev(own);
+  const Frame* behind = std::next(own) == stream.frames.end() ? nullptr : &*std::next(own);
+  const Frame* other = late_s > 0 ? behind : before;
+  if (!other) other = late_s > 0 ? before : behind;
+  Image<float> picture = own->linear;
+  if (other && other->time_s != own->time_s)
+    moveTowards(picture, other->linear, static_cast<float>(late_s / (other->time_s - own->time_s)));
+  return picture;
+}
+
+std::optional<SweepPictures> Sweeps::next() {
+  if (at_ >= plan_.steps.size()) return std::nullopt;
+  SweepPictures out;
+  out.number = plan_.steps[at_].number;
+  for (std::size_t i = 0; i < streams_.size(); ++i)
+    if (auto picture = ofMoment(*streams_[i], at_))
+      out.pictures.push_back({i, std::move(*picture)});
+  ++at_;
+  return out;
+}
+
+void moveTowards(Image<float>& picture, const Image<float>& other, float share) {
+  const std::size_t row =
+      static_cast<std::size_t>(picture.width()) * static_cast<std::size_t>(picture.channels());
+  forEachRow(picture.height(), static_cast<std::int64_t>(row) * 4, [&](int y) {
+    float* to = picture.texels().data() + static_cast<std::size_t>(y) * row;
+    const float* from = other.texels().data() + static_cast<std::size_t>(y) * row;
+    for (std::size_t i = 0; i < row; ++i) {
+      const float moved = to[i] + share * (from[i] - to[i]);
+      to[i] = std::isnan(moved) ? to[i] : moved;
+    }
+  });
+}
+
+}  // namespace patina::workflow

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The sweeps of a run over its lamps, one whole step at a time: a picture a lamp, calibrated, all
+// as of one moment.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "capture/workflow/frame_chain.h"
+
+namespace patina::workflow {
+
+// A whole step of one camera and exposure, as the catalogue has it.
+struct SweepStep {
+  std::int64_t number = 0;
+  double time_s = 0;                       // from t0: middle between its first and last frame
+  std::vector<std::string> frame_sha256s;  // of all its frames of this camera, in order
+  std::vector<db::RowId> frame_ids;
+};
+struct SweepPlan {
+  std::string camera;
+  std::vector<std::string> states;        // of one lamp each, in natural order
+  std::vector<SweepStep> steps;           // those that are whole, every n-th, in order
+  std::vector<std::int64_t> partial;      // numbers of those left out
+  std::vector<std::string> other_states;  // several lamps at once: left out
+};
+// `selection`: camera, exposure, every. Throws WorkflowError: kUsage with the choices where a run
+// has several cameras or exposures; kBadData where it has no whole step, or no lamp alone.
+SweepPlan planSweeps(const db::ArchiveReader& reader, const std::string& run_id,
+                     const FrameSelection& selection);
+
+struct SweepPicture {
+  std::size_t state = 0;  // of the plan
+  Image<float> linear;
+};
+struct SweepPictures {
+  std::int64_t number = 0;
+  std::vector<SweepPicture> pictures;  // states whose frame was refused are not there
+};
+
+// Frames of each state are pulled in order of time, a step before and one behind the one at hand in
+// memory: three pictures a lamp. A picture is brought to its step's moment by interpolation between
+// it and that of the neighbouring step, before or behind; at the ends of the run by extrapolation.
+// Thread-bound; reader and progress outlive it.
+class Sweeps {
+ public:
+  // `request`: its selection's light and `from_step` are filled in. Pictures begin at `from`, an
+  // index of the plan's steps.
+  Sweeps(const db::ArchiveReader& reader, const db::RunRow& run, const SweepPlan& plan,
+         const FrameRequest& request, std::size_t from, Progress& progress);
+  ~Sweeps();
+
+  std::optional<SweepPictures> next();
+  const FrameChain& chain(std::size_t state) const { return *streams_[state]->chain; }
+
+ private:
+  struct Frame {
+    std::size_t step = 0;  // of the plan
+    double time_s = 0;
+    Image<float> linear;
+  };
+  struct Stream {
+    std::unique_ptr<FrameChain> chain;
+    std::deque<Frame> frames;
+    bool ended = false;
+  };
+  void pull(Stream& stream, std::size_t upto);
+  std::optional<Image<float>> ofMoment(Stream& stream, std::size_t step);
+
+  const SweepPlan plan_;
+  std::size_t at_;
+  std::map<std::pair<std::string, std::int64_t>, std::size_t> step_of_;  // by hash and time, ns
+  std::vector<std::unique_ptr<Stream>> streams_;
+};
+
+// picture + share (other - picture), where both are known; else as it is. In place.
+void moveTowards(Image<float>& picture, const Image<float>& other, float share);
+
+}  // namespace patina::workflow

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/system/reflectance_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/workflow/gain_field_calibration.h"
+#include "db/archive.h"
+#include "devices/twin/lit_scene.h"
+#include "processing/brdf/picture_score.h"
+#include "processing/brdf/relight.h"
+#include "tests/support/child.h"
+
+namespace patina::testing {
+namespace {
+
+namespace twin = devices::twin;
+namespace fs = std::filesystem;
+
+constexpr double kReachDeg = 72, kDistanceMm = 600, kGolden = 2.399963229728653;
+constexpr double kCardReflectance = 0.5;  // of the twin's grey card
+constexpr int kInterval = 600;            // s
+
+std::string idOf(int lamp) { return (lamp < 10 ? "l0" : "l") + std::to_string(lamp); }
+
+int lampsOf(const Loop& loop) { return loop.lights + loop.left_out; }
+
+// Every so many lamps, from the second on, one is left out.
+bool isLeftOut(const Loop& loop, int lamp) {
+  if (loop.left_out == 0) return false;
+  const int period = lampsOf(loop) / loop.left_out;
+  return lamp % period == period / 2 && lamp / period < loop.left_out;
+}
+
+std::string rigText(const Loop& loop, const std::string& specimen, bool all) {
+  const std::string side = std::to_string(loop.side_px);
+  std::string text =
+      "name = \"dome\"\n[[camera]]\nid = \"cam0\"\nbackend = \"twin\"\n"
+      "settings = { format = \"dng\" }\n";
+  for (int i = 0; i < lampsOf(loop); ++i) {
+    if (!all && isLeftOut(loop, i)) continue;
+    const double z = 1 - (1 - std::cos(kReachDeg * M_PI / 180)) * (i + 0.5) / lampsOf(loop);
+    const double s = std::sqrt(1 - z * z);
+    text += "[[light]]\nid = \"" + idOf(i) + "\"\nbackend = \"twin\"\nposition_mm = [" +
+            std::to_string(kDistanceMm * s * std::cos(i * kGolden)) + ", " +
+            std::to_string(kDistanceMm * s * std::sin(i * kGolden)) + ", " +
+            std::to_string(kDistanceMm * z) + "]\nsettings = { kind = \"led\", radius_mm = 4.0 }\n";
+  }
+  return text + "[twin]\nspecimen = \"" + specimen + "\"\nsize = \"" + side + "x" + side +
+         "\"\nshadows = " + (loop.shadows && !all ? "true" : "false") + "\n";
+}
+
+std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
+                     int steps, const std::string& rest) {
+  std::string lights;
+  for (int i = 0; i < lampsOf(loop); ++i)
+    if (!isLeftOut(loop, i)) lights += (lights.empty() ? "[\"" : ", [\"") + idOf(i) + "\"]";
+  return "rig = \"" + rig + "\"\nspecimen = \"" + specimen + "\"\nseed = 1\ninterval = \"" +
+         std::to_string(kInterval) + "s\"\nduration = \"" + std::to_string(steps * kInterval) +
+         "s\"\n[[sweep]]\nlights = [" + lights + "]\nexposures = [\"1/50\"]\n" + rest;
+}
+
+// Without its _: a specimen's id in a plan.
+std::string plainName(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+devices::RigSpec wholeRig(const Loop& loop) {
+  return devices::parseRig(rigText(loop, loop.specimen, true), "rig.toml");
+}
+
+struct RmsOf {
+  double square = 0;
+  long count = 0;
+  void add(double off2) { square += off2, ++count; }
+  double rms() const { return count ? std::sqrt(square / static_cast<double>(count)) : 0; }
+};
+
+// The world as the program's twin has it, for its truth and its lamps.
+class Truth {
+ public:
+  explicit Truth(const Loop& loop)
+      : loop_(loop),
+        rig_(wholeRig(loop)),
+        layout_(twin::pictureLayout(rig_, rig_.cameras.front())),
+        world_(rig_, options(loop), clock_),
+        scene_(world_, layout_, {}, {}) {
+    grid_.size = region().size();
+    const twin::SampleGrid& whole = scene_.grid();
+    grid_.texel_mm = whole.texel_mm;
+    for (int y = 0; y < grid_.size.height; ++y)
+      for (int x = 0; x < grid_.size.width; ++x) {
+        const std::size_t k = whole.index(x + rect().x, y + rect().y);
+        grid_.x_mm.push_back(whole.x_mm[k]);
+        grid_.y_mm.push_back(whole.y_mm[k]);
+      }
+    surface_ = world_.specimen().prepare(grid_);
+  }
+
+  const RectPx& rect() const { return layout_.specimen_px; }
+  twin::SurfaceMaps maps(double time) const { return mapsAt(*surface_, time, grid_.size); }
+  float mmPerTexel() const {
+    return static_cast<float>(world_.specimen().info().width_mm / layout_.size.width);
+  }
+
+  // Over the region's own middle, as the fit has it.
+  brdf::SurfaceLight light(int lamp) const {
+    const auto& at = rig_.lights[static_cast<std::size_t>(lamp)].position_mm;
+    const double m = mmPerTexel();
+    const double x = (rect().x + rect().width / 2.0 - layout_.size.width / 2.0) * m,
+                 y = (layout_.size.height / 2.0 - rect().y - rect().height / 2.0) * m;
+    brdf::SurfaceLight light;
+    light.near = true;
+    light.position_mm = {static_cast<float>(at[0] - x), static_cast<float>(at[1] - y),
+                         static_cast<float>(at[2])};
+    light.strength = static_cast<float>(kDistanceMm * kDistanceMm * kDistanceMm / at[2]);
+    return light;
+  }
+
+  // Every pixel in the colour of its place in the mosaic, noiseless.
+  std::vector<float> mosaic(double time, int lamp) {
+    std::vector<bool> lit(rig_.lights.size());
+    lit[static_cast<std::size_t>(lamp)] = true;
+    scene_.render(time, lit);
+    const std::vector<float>& whole = scene_.lamp(static_cast<std::size_t>(lamp));
+    std::vector<float> out;
+    for (int y = 0; y < rect().height; ++y)
+      for (int x = 0; x < rect().width; ++x)
+        out.push_back(whole[scene_.grid().index(x + rect().x, y + rect().y)]);
+    return out;
+  }
+
+ private:
+  struct Sized {
+    RectPx r;
+    SizePx size() const { return {r.width, r.height}; }
+  };
+  Sized region() const { return {layout_.specimen_px}; }
+  static twin::TwinOptions options(const Loop& loop) {
+    twin::TwinOptions options;
+    options.seed = 1;
+    options.duration = std::chrono::seconds(kInterval) * loop.steps;
+    return options;
+  }
+
+  const Loop& loop_;
+  devices::RigSpec rig_;
+  twin::PictureLayout layout_;
+  devices::VirtualClock clock_{UtcTime{}};
+  twin::World world_;
+  twin::LitScene scene_;
+  twin::SampleGrid grid_;
+  std::shared_ptr<const twin::PreparedSurface> surface_;
+};
+
+int lightsWithinLobe(const std::vector<brdf::SurfaceLight>& lights, const brdf::PlaceMm& at,
+                     std::span<const float> n, float alpha) {
+  int count = 0;
+  for (const brdf::SurfaceLight& light : lights) {
+    const brdf::LightRay ray = brdf::rayAt(light, {0, 0, 1}, at.x, at.y);
+    const float n_h = brdf::dot(ray.h, {n[0], n[1], n[2]});
+    count += n_h > 0 && std::sqrt(1 - std::min(1.0f, n_h * n_h)) <= alpha * n_h;
+  }
+  return count;
+}
+
+class Judge {
+ public:
+  explicit Judge(const Loop& loop) : loop_(loop), truth_(loop) {
+    for (int i = 0; i < lampsOf(loop); ++i) (isLeftOut(loop, i) ? left_out_ : used_).push_back(i);
+    for (const int lamp : used_) lights_.push_back(truth_.light(lamp));
+  }
+
+  void judge(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
+    const twin::SurfaceMaps want = truth_.maps(time);
+    ASSERT_EQ(seen.diffuse.size(), want.diffuse.size());
+    for (int y = 0; y < want.diffuse.height(); ++y)
+      for (int x = 0; x < want.diffuse.width(); ++x) judgeTexel(want, seen, x, y);
+    judgePictures(time, seen, info);
+  }
+
+  LoopScore score() {
+    LoopScore out;
+    out.diffuse_rms = diffuse_.rms();
+    std::nth_element(angles_.begin(), angles_.begin() + static_cast<long>(angles_.size() / 2),
+                     angles_.end());
+    out.normal_median_deg = angles_[angles_.size() / 2];
+    out.psnr_db = -20 * std::log10(pictures_.rms());
+    out.psnr_worst_db = psnr_worst_;
+    out.told_share = static_cast<double>(told_s_.count) / static_cast<double>(angles_.size());
+    out.told_specular_rms = told_s_.rms(), out.told_alpha_rms = told_a_.rms();
+    out.sure_share =
+        static_cast<double>(sure_s_.count) / static_cast<double>(std::max(1L, told_s_.count));
+    out.sure_specular_rms = sure_s_.rms(), out.sure_alpha_rms = sure_a_.rms();
+    out.unsure_specular_rms = unsure_s_.rms(), out.unsure_alpha_rms = unsure_a_.rms();
+    return out;
+  }
+
+ private:
+  void judgeTexel(const twin::SurfaceMaps& want, const brdf::BrdfMaps& seen, int x, int y) {
+    double specular2 = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double d = double{seen.diffuse.at(x, y, c)} - want.diffuse.at(x, y, c),
+                   s = double{seen.specular.at(x, y, c)} - want.specular.at(x, y, c);
+      diffuse_.add(d * d);
+      specular2 += s * s / 3;
+    }
+    const auto p = seen.normal.view().texel(x, y), q = want.normal.view().texel(x, y);
+    const double cosine = double{p[0]} * q[0] + double{p[1]} * q[1] + double{p[2]} * q[2];
+    angles_.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI);
+    const float alpha = want.roughness.at(x, y);
+    const double a = double{seen.roughness.at(x, y)} - alpha;
+    const bool sure = seen.extra.at("Confidence").at(x, y) >= 0.5f;
+    const brdf::PlaceMm at = brdf::placeOf(x, y, want.diffuse.size(), truth_.mmPerTexel());
+    if (lightsWithinLobe(lights_, at, q, alpha) < 3) return;
+    told_s_.add(specular2), told_a_.add(a * a);
+    (sure ? sure_s_ : unsure_s_).add(specular2);
+    (sure ? sure_a_ : unsure_a_).add(a * a);
+  }
+
+  void judgePictures(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
+    for (const int lamp : left_out_) {
+      const std::vector<float> want = truth_.mosaic(time, lamp);
+      const Image<float> picture =
+          brdf::relight(seen, info, truth_.light(lamp), {0, 0, 1}, truth_.mmPerTexel());
+      RmsOf own;
+      std::size_t k = 0;
+      for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x, ++k) {
+          const int channel = (x + truth_.rect().x) % 2 + (y + truth_.rect().y) % 2;
+          const double off =
+              std::clamp(picture.at(x, y, channel), 0.0f, 1.0f) - std::clamp(want[k], 0.0f, 1.0f);
+          own.add(off * off), pictures_.add(off * off);
+        }
+      psnr_worst_ = std::min(psnr_worst_, -20 * std::log10(own.rms()));
+    }
+  }
+
+  const Loop& loop_;
+  Truth truth_;
+  std::vector<int> used_, left_out_;
+  std::vector<brdf::SurfaceLight> lights_;
+  RmsOf diffuse_, pictures_, told_s_, told_a_, sure_s_, sure_a_, unsure_s_, unsure_a_;
+  std::vector<double> angles_;
+  double psnr_worst_ = HUGE_VAL;
+};
+
+}  // namespace
+
+std::string planOf(const TempFolder& folder) { return folder / "plan.toml"; }
+std::string archiveOf(const TempFolder& folder) { return folder / "archive"; }
+
+void prepareLoop(const Loop& loop, const TempFolder& folder) {
+  writeFile(folder / "rig.toml", rigText(loop, loop.specimen, false));
+  writeFile(folder / "card_rig.toml", rigText(loop, "grey_card", false));
+  writeFile(folder / "plan.toml",
+            planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
+                     "[after]\nsteps = [\"brdf\", \"stbrdf\"]\ndegree = " +
+                         std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
+  writeFile(folder / "card.toml",
+            planText(loop, "card_rig.toml", "card", 4, "[light_check]\nmode = \"uncontrolled\"\n"));
+  const Finished card =
+      runPatina({"rehearse", folder / "card.toml", "--archive", archiveOf(folder)});
+  ASSERT_EQ(card.exit, 0) << card.err;
+  const Truth truth(loop);
+  const RectPx& r = truth.rect();
+  Progress progress;
+  for (int lamp = 0; lamp < lampsOf(loop); ++lamp) {
+    if (isLeftOut(loop, lamp)) continue;
+    workflow::GainFieldRequest request;
+    request.pictures.run = "latest";
+    request.pictures.selection.light = idOf(lamp);
+    request.target = {r};
+    request.reflectance = kCardReflectance;
+    const UtcTime now{};
+    keepGainField(archiveOf(folder), request,
+                  makeGainField(archiveOf(folder), request, now, progress), now);
+  }
+}
+
+std::string setOf(const TempFolder& folder, const std::string& kind) {
+  const db::ArchiveReader reader(archiveOf(folder));
+  const auto rows = reader.products(kind);
+  if (rows.empty()) return {};
+  return db::ProductWriter::folderFor(archiveOf(folder), rows.back().id);
+}
+
+LoopScore scoreOf(const Loop& loop, const TempFolder& folder) {
+  const fs::path set = setOf(folder, "brdf");
+  const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(set);
+  Judge judge(loop);
+  for (int step = 0; step < info.steps(); ++step) {
+    const double share = info.times[static_cast<std::size_t>(step)] / (kInterval * loop.steps);
+    judge.judge(share, brdf::readBrdfMaps(set, info, step), info);
+  }
+  return judge.score();
+}
+
+}  // namespace patina::testing

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The closed loop of reflectance on the twin: a dome of lamps, a grey card and then a specimen
+// rehearsed by the program, what it makes of it by itself, and the truth it is held against.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/support/temp_folder.h"
+
+namespace patina::testing {
+
+struct Loop {
+  std::string specimen = "copper_patination";
+  int side_px = 96, steps = 4, lights = 24, left_out = 6;
+  int degree = 3;
+  bool shadows = true;
+};
+
+// Plan, rigs and card's plan in `folder`; fields of every lamp in folder/archive.
+void prepareLoop(const Loop& loop, const TempFolder& folder);
+std::string planOf(const TempFolder& folder);
+std::string archiveOf(const TempFolder& folder);
+std::string setOf(const TempFolder& folder, const std::string& kind);  // newest of "brdf", "stbrdf"
+
+struct LoopScore {
+  double diffuse_rms = 0, normal_median_deg = 0;
+  // PSNR under the lamps that were left out, without cast shadows: of all, and of the worst.
+  double psnr_db = 0, psnr_worst_db = 0;
+  double told_share = 0;  // of texels with three lights or more within a lobe's width
+  double told_specular_rms = 0, told_alpha_rms = 0;
+  double sure_share = 0, sure_specular_rms = 0, sure_alpha_rms = 0;  // confidence >= 1/2, told
+  double unsure_specular_rms = 0, unsure_alpha_rms = 0;              // the rest
+};
+// Of all steps together.
+LoopScore scoreOf(const Loop& loop, const TempFolder& folder);
+
+}  // namespace patina::testing
