@@ -164,6 +164,7 @@ void takeDiskAfterAlerts(ConfigTable& root, Plan& plan) {
       if (step != "ttf" && step != "film" && step != "brdf" && step != "stbrdf")
         after->reject("steps", "\"" + step + "\" is not one of ttf, film, brdf, stbrdf");
     plan.after_degree = static_cast<int>(after->takeInteger("degree", 0, kDegreeMost, 3));
+    plan.after_bin = static_cast<int>(after->takeInteger("bin", 1, 64, 1));
     after->finish();
   }
   plan.alerts = takeAlerts(root, plan.interval);

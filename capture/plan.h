@@ -44,6 +44,7 @@ struct Plan {
   std::uint64_t disk_reserve_bytes = 0;
   std::vector<std::string> after;  // "ttf" "film" "brdf" "stbrdf"
   int after_degree = 3;            // of "stbrdf": polynomials in time
+  int after_bin = 1;               // of "brdf": pixels a side of a texel
   // Besides at every step; nothing: at steps alone.
   std::optional<Nanoseconds> read_sensors_every;
   AlertSettings alerts;

@@ -56,9 +56,10 @@ RunReflectanceRequest reflectanceOf(const std::string& run_id, const std::string
   if (options.place) {
     const SpecimenPlace place = options.place(camera);
     request.region = place.region;
-    request.mm_per_texel = place.mm_per_texel;
+    request.mm_per_pixel = place.mm_per_texel;
   }
   request.rig = options.lamps;
+  request.bin = options.bin;
   request.command = kCommand;
   request.version = options.version;
   request.after = camera;

@@ -23,6 +23,7 @@ struct SpecimenPlace {
 struct AfterOptions {
   std::vector<std::string> steps;  // "ttf" "film" "brdf" "stbrdf"
   int degree = 3;                  // of "stbrdf"
+  int bin = 1;                     // of "brdf": pixels a side of a texel
   std::string version, process;
   std::uint64_t seed = 1;
   std::function<SpecimenPlace(const std::string& camera)> place;

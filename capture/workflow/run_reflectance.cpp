@@ -95,12 +95,24 @@ class RunFit {
 
   RectPx regionOf(SizePx whole) const {
     const RectPx all{0, 0, whole.width, whole.height};
-    if (!request_.region || request_.frames.rectify) return all;
-    const RectPx& r = *request_.region;
+    if (!request_.region || request_.frames.rectify) return binned(all);
+    RectPx r = *request_.region;
     if (r.x < 0 || r.y < 0 || r.x + r.width > whole.width || r.y + r.height > whole.height)
       throw WorkflowError(Exit::kUsage, "the region does not lie within the frames of " +
                                             std::to_string(whole.width) + "x" +
                                             std::to_string(whole.height) + " pixels");
+    return binned(r);
+  }
+
+  // Whole texels.
+  RectPx binned(RectPx r) const {
+    if (request_.bin < 1 || request_.bin > std::min(r.width, r.height))
+      throw WorkflowError(Exit::kUsage, "texels of " + std::to_string(request_.bin) +
+                                            " pixels a side do not go into " +
+                                            std::to_string(r.width) + "x" +
+                                            std::to_string(r.height) + " pixels");
+    r.width -= r.width % request_.bin;
+    r.height -= r.height % request_.bin;
     return r;
   }
 
@@ -108,13 +120,14 @@ class RunFit {
     const FrameChain& chain = sweeps.chain(0);
     const SizePx whole = chain.size();
     region_ = regionOf(whole);
-    mm_per_texel_ = chain.mmPerTexel() > 0 ? chain.mmPerTexel() : request_.mm_per_texel;
+    const double mm = chain.mmPerTexel() > 0 ? chain.mmPerTexel() : request_.mm_per_pixel;
+    mm_per_texel_ = mm * request_.bin;
     outcome_.mm_per_texel = mm_per_texel_;
-    double x_mm = (region_.x + region_.width / 2.0 - whole.width / 2.0) * mm_per_texel_,
-           y_mm = (whole.height / 2.0 - region_.y - region_.height / 2.0) * mm_per_texel_;
+    double x_mm = (region_.x + region_.width / 2.0 - whole.width / 2.0) * mm,
+           y_mm = (whole.height / 2.0 - region_.y - region_.height / 2.0) * mm;
     if (const auto& rectified = chain.rectification()) {
-      x_mm = rectified->region.left + rectified->region.width / 2;
-      y_mm = rectified->region.bottom + rectified->region.height / 2;
+      x_mm += rectified->region.left + rectified->region.width / 2;
+      y_mm += rectified->region.bottom + rectified->region.height / 2;
     }
     RunLightsRequest lights{request_.lights, request_.rig, request_.frames.rectify.has_value(),
                             request_.frames.correction.stale};
@@ -180,8 +193,11 @@ class RunFit {
       scale += 1 / state.white_level / static_cast<double>(states_.size());
     const calibration::NoiseModel& green = models[1];
     brdf::FitNoise noise;
-    noise.floor = static_cast<float>(scale * std::sqrt(green.variance(0)) / green.range());
-    noise.shot = static_cast<float>(scale / (green.electrons_per_number * green.range()));
+    // Samples of one colour in a texel, as far as noise is theirs alone.
+    const double samples = std::max(1.0, request_.bin * request_.bin / 4.0);
+    noise.floor =
+        static_cast<float>(scale * std::sqrt(green.variance(0) / samples) / green.range());
+    noise.shot = static_cast<float>(scale / (green.electrons_per_number * green.range() * samples));
     noise.gain = kLampNoise;
     return noise;
   }
@@ -194,6 +210,7 @@ class RunFit {
     options.text("model", brdf::nameOf(options_.model)).set("lights", outcome_.lights);
     options.count("states", static_cast<std::int64_t>(states_.size()));
     options.text("region", rectText(region_)).number("mm_per_texel", mm_per_texel_);
+    options.count("bin", request_.bin);
     options.number("white_level", request_.white_level);
     options.set("neighbours", options_.neighbours).set("earlier_steps", request_.earlier_steps);
     options.number("noise_floor", options_.noise.floor).number("noise_shot", options_.noise.shot);
@@ -266,9 +283,23 @@ class RunFit {
                               static_cast<std::int64_t>(lights), report});
   }
 
+  Image<float> meansOf(ImageView<const float> pixels) const {
+    const int n = request_.bin;
+    if (n == 1) return copyOf<float>(pixels);
+    Image<float> out(pixels.width / n, pixels.height / n, pixels.channels);
+    const auto share = 1 / static_cast<float>(n * n);
+    forEachRow(out.height(), std::int64_t{pixels.width} * n, [&](int y) {
+      for (int v = n * y; v < n * (y + 1); ++v)
+        for (int x = 0; x < out.width() * n; ++x)
+          for (int c = 0; c < out.channels(); ++c)
+            out.at(x / n, y, c) += share * pixels.at(x, v, c);
+    });
+    return out;
+  }
+
   // The region, as if a lamp of the model's own fall-off lit it.
   Image<float> pictureOf(const Image<float>& frame, const StateLight& state) const {
-    Image<float> picture = copyOf<float>(ImageView<const float>(frame.view()).crop(region_));
+    Image<float> picture = meansOf(ImageView<const float>(frame.view()).crop(region_));
     const SizePx size = picture.size();
     const int channels = picture.channels();
     const auto scale = static_cast<float>(state.even ? 1 : 1 / state.white_level);

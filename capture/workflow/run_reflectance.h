@@ -22,8 +22,11 @@ struct RunReflectanceRequest {
   double white_level = 1;
   std::filesystem::path lights;  // .lp by light state; empty: the archive's, else the rig's
   RigLamps rig;
-  std::optional<RectPx> region;   // of the frames, where they are not rectified; nothing: all
-  double mm_per_texel = 0;        // where they are not rectified; 0: not known, lamps are distant
+  std::optional<RectPx> region;  // of the frames, where they are not rectified; nothing: all
+  double mm_per_pixel = 0;       // where they are not rectified; 0: not known, lamps are distant
+  // A texel is the mean of so many pixels squared: what colours of a mosaic were mixed from lies
+  // within it then.
+  int bin = 1;
   brdf::MultiLightOptions fit{};  // `noise` is the camera's, where its photon transfer is known
   bool earlier_steps = true;      // hold gloss to that of the step before
   // Only steps whose successor is there too; the set is finished by a later call.

@@ -88,28 +88,27 @@ class Truth {
         layout_(twin::pictureLayout(rig_, rig_.cameras.front())),
         world_(rig_, options(loop), clock_),
         scene_(world_, layout_, {}, {}) {
-    grid_.size = region().size();
+    rect_ = layout_.specimen_px;
+    rect_.width -= rect_.width % loop.bin;
+    rect_.height -= rect_.height % loop.bin;
+    grid_.size = {rect_.width / loop.bin, rect_.height / loop.bin};
     const twin::SampleGrid& whole = scene_.grid();
-    grid_.texel_mm = whole.texel_mm;
+    grid_.texel_mm = whole.texel_mm * static_cast<float>(loop.bin);
     for (int y = 0; y < grid_.size.height; ++y)
-      for (int x = 0; x < grid_.size.width; ++x) {
-        const std::size_t k = whole.index(x + rect().x, y + rect().y);
-        grid_.x_mm.push_back(whole.x_mm[k]);
-        grid_.y_mm.push_back(whole.y_mm[k]);
-      }
+      for (int x = 0; x < grid_.size.width; ++x) addTexel(whole, x, y);
     surface_ = world_.specimen().prepare(grid_);
   }
 
-  const RectPx& rect() const { return layout_.specimen_px; }
+  const RectPx& rect() const { return rect_; }
   twin::SurfaceMaps maps(double time) const { return mapsAt(*surface_, time, grid_.size); }
   float mmPerTexel() const {
-    return static_cast<float>(world_.specimen().info().width_mm / layout_.size.width);
+    return static_cast<float>(world_.specimen().info().width_mm / layout_.size.width * loop_.bin);
   }
 
   // Over the region's own middle, as the fit has it.
   brdf::SurfaceLight light(int lamp) const {
     const auto& at = rig_.lights[static_cast<std::size_t>(lamp)].position_mm;
-    const double m = mmPerTexel();
+    const double m = mmPerTexel() / loop_.bin;
     const double x = (rect().x + rect().width / 2.0 - layout_.size.width / 2.0) * m,
                  y = (layout_.size.height / 2.0 - rect().y - rect().height / 2.0) * m;
     brdf::SurfaceLight light;
@@ -120,25 +119,40 @@ class Truth {
     return light;
   }
 
-  // Every pixel in the colour of its place in the mosaic, noiseless.
-  std::vector<float> mosaic(double time, int lamp) {
+  // Noiseless: the mean a texel of the pixels of each colour of the mosaic.
+  Image<float> mosaic(double time, int lamp) {
     std::vector<bool> lit(rig_.lights.size());
     lit[static_cast<std::size_t>(lamp)] = true;
     scene_.render(time, lit);
     const std::vector<float>& whole = scene_.lamp(static_cast<std::size_t>(lamp));
-    std::vector<float> out;
-    for (int y = 0; y < rect().height; ++y)
-      for (int x = 0; x < rect().width; ++x)
-        out.push_back(whole[scene_.grid().index(x + rect().x, y + rect().y)]);
+    Image<float> out(grid_.size.width, grid_.size.height, 3);
+    Image<float> pixels(grid_.size.width, grid_.size.height, 3);
+    for (int y = 0; y < rect_.height; ++y)
+      for (int x = 0; x < rect_.width; ++x) {
+        const int channel = (x + rect_.x) % 2 + (y + rect_.y) % 2, u = x / loop_.bin,
+                  v = y / loop_.bin;
+        out.at(u, v, channel) += whole[scene_.grid().index(x + rect_.x, y + rect_.y)];
+        pixels.at(u, v, channel) += 1;
+      }
+    for (std::size_t k = 0; k < out.texels().size(); ++k)
+      out.texels()[k] = pixels.texels()[k] > 0 ? out.texels()[k] / pixels.texels()[k] : -1;
     return out;
   }
 
  private:
-  struct Sized {
-    RectPx r;
-    SizePx size() const { return {r.width, r.height}; }
-  };
-  Sized region() const { return {layout_.specimen_px}; }
+  // The mean place of its pixels.
+  void addTexel(const twin::SampleGrid& whole, int x, int y) {
+    float x_mm = 0, y_mm = 0;
+    const int n = loop_.bin;
+    for (int v = 0; v < n; ++v)
+      for (int u = 0; u < n; ++u) {
+        const std::size_t k = whole.index(rect_.x + n * x + u, rect_.y + n * y + v);
+        x_mm += whole.x_mm[k] / static_cast<float>(n * n);
+        y_mm += whole.y_mm[k] / static_cast<float>(n * n);
+      }
+    grid_.x_mm.push_back(x_mm);
+    grid_.y_mm.push_back(y_mm);
+  }
   static twin::TwinOptions options(const Loop& loop) {
     twin::TwinOptions options;
     options.seed = 1;
@@ -149,6 +163,7 @@ class Truth {
   const Loop& loop_;
   devices::RigSpec rig_;
   twin::PictureLayout layout_;
+  RectPx rect_;
   devices::VirtualClock clock_{UtcTime{}};
   twin::World world_;
   twin::LitScene scene_;
@@ -223,18 +238,16 @@ class Judge {
 
   void judgePictures(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
     for (const int lamp : left_out_) {
-      const std::vector<float> want = truth_.mosaic(time, lamp);
+      const Image<float> want = truth_.mosaic(time, lamp);
       const Image<float> picture =
           brdf::relight(seen, info, truth_.light(lamp), {0, 0, 1}, truth_.mmPerTexel());
       RmsOf own;
-      std::size_t k = 0;
-      for (int y = 0; y < picture.height(); ++y)
-        for (int x = 0; x < picture.width(); ++x, ++k) {
-          const int channel = (x + truth_.rect().x) % 2 + (y + truth_.rect().y) % 2;
-          const double off =
-              std::clamp(picture.at(x, y, channel), 0.0f, 1.0f) - std::clamp(want[k], 0.0f, 1.0f);
-          own.add(off * off), pictures_.add(off * off);
-        }
+      for (std::size_t k = 0; k < want.texels().size(); ++k) {
+        if (want.texels()[k] < 0) continue;  // no pixel of this colour
+        const double off =
+            std::clamp(picture.texels()[k], 0.0f, 1.0f) - std::clamp(want.texels()[k], 0.0f, 1.0f);
+        own.add(off * off), pictures_.add(off * off);
+      }
       psnr_worst_ = std::min(psnr_worst_, -20 * std::log10(own.rms()));
     }
   }
@@ -256,10 +269,11 @@ std::string archiveOf(const TempFolder& folder) { return folder / "archive"; }
 void prepareLoop(const Loop& loop, const TempFolder& folder) {
   writeFile(folder / "rig.toml", rigText(loop, loop.specimen, false));
   writeFile(folder / "card_rig.toml", rigText(loop, "grey_card", false));
-  writeFile(folder / "plan.toml",
-            planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
-                     "[after]\nsteps = [\"brdf\", \"stbrdf\"]\ndegree = " +
-                         std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
+  writeFile(
+      folder / "plan.toml",
+      planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
+               "[after]\nsteps = [\"brdf\", \"stbrdf\"]\nbin = " + std::to_string(loop.bin) +
+                   "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
   writeFile(folder / "card.toml",
             planText(loop, "card_rig.toml", "card", 4, "[light_check]\nmode = \"uncontrolled\"\n"));
   const Finished card =

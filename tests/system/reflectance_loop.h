@@ -12,7 +12,7 @@ namespace patina::testing {
 
 struct Loop {
   std::string specimen = "copper_patination";
-  int side_px = 96, steps = 4, lights = 24, left_out = 6;
+  int side_px = 192, bin = 3, steps = 4, lights = 24, left_out = 6;
   int degree = 3;
   bool shadows = true;
 };

@@ -24,8 +24,10 @@ class ReflectanceLoop : public ::testing::TestWithParam<const char*> {};
 TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   Loop loop;
   loop.specimen = GetParam();
-  loop.side_px = setting("PATINA_REFLECTANCE_SIDE", 64);
+  loop.side_px = setting("PATINA_REFLECTANCE_SIDE", 192);
+  loop.bin = setting("PATINA_REFLECTANCE_BIN", 3);
   loop.steps = setting("PATINA_REFLECTANCE_STEPS", 3);
+  loop.shadows = setting("PATINA_REFLECTANCE_SHADOWS", 1) != 0;
   const TempFolder folder = TempFolder::inMemory();
   ASSERT_NO_FATAL_FAILURE(prepareLoop(loop, folder));
   const Finished run = runPatina({"rehearse", planOf(folder), "--archive", archiveOf(folder)});

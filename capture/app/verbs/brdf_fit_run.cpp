@@ -22,7 +22,7 @@ void askRig(RunFitOptions& options, const Context& context, const std::string& w
                                                        : std::string();
   const workflow::SpecimenPlace place = placeOfSpecimen(rig, camera);
   if (!request.region && !options.whole) request.region = place.region;
-  if (!(request.mm_per_texel > 0)) request.mm_per_texel = place.mm_per_texel;
+  if (!(request.mm_per_pixel > 0)) request.mm_per_pixel = place.mm_per_texel;
 }
 
 void takeChoices(RunFitOptions& options) {
@@ -71,7 +71,9 @@ void addRunFitOptions(Verb& verb, RunFitOptions& options) {
               "With --rectify: lower left corner and size in mm (default: all that is seen)")
       .option("--texels-per-mm", options.rectification.texels_per_mm, 1e-3, 1e5,
               "With --rectify (default: as many as the picture has pixels)")
-      .option("--mm-per-texel", request.mm_per_texel, 1e-6, 1e3,
+      .option("--bin", request.bin, 1, 64,
+              "Of a run: a texel is the mean of so many pixels squared")
+      .option("--mm-per-pixel", request.mm_per_pixel, 1e-6, 1e3,
               "Of a run that is not rectified, where the rig does not tell: near lamps need it")
       .option("--register", options.register_by, "MODEL",
               "Of a run: lay frames over the first: translation, euclidean, affine, homography")

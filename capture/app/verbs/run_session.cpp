@@ -160,6 +160,7 @@ void runToEnd(Context& context, const RunOptions& options, const RunFiles& files
 workflow::AfterOptions afterOptions(const RunFiles& files) {
   workflow::AfterOptions after;
   after.steps = files.plan.after;
+  after.bin = files.plan.after_bin;
   after.degree = files.plan.after_degree;
   after.version = PATINA_VERSION;
   after.seed = files.plan.seed;
