@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/patch/nearest_field.h"
 
+#include <immintrin.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,16 +9,18 @@
 #include <climits>
 #include <cmath>
 
+#include "processing/image/parallel_rows.h"
 #include "processing/image/random.h"
 
 namespace patina::patch {
 namespace {
 
-constexpr int kLanesMax = 8;  // whatever the number of threads: it is part of the result
+constexpr int kLanesMax = 4;  // whatever the number of threads: it is part of the result
 constexpr int kTileMaxPx = 32, kTileMinPx = 4;
 // At most this part of the target is in work at a time: at a thirty-second the energy is 5 %
 // higher.
 constexpr std::int64_t kInWorkShare = 128;
+constexpr int kPassesAwake = 4;  // in which all eight neighbours have their turn
 
 struct Step {
   int x, y;
@@ -34,32 +37,66 @@ void FieldOptions::check() const {
   if (!(uniformity >= 0 && uniformity <= 1e6))
     throw ProcessingError(Exit::kUsage, "uniformity is " + std::to_string(uniformity) +
                                             "; it lies between 0 and 1e6");
-  if (similar.count < 1 || similar.count > 16)
+  if (similar.count < 1 || similar.count > 16 || similar.trees < 1 || similar.trees > 16)
     throw ProcessingError(Exit::kUsage, "similar patches are " + std::to_string(similar.count) +
-                                            "; there are 1 to 16");
+                                            " from " + std::to_string(similar.trees) +
+                                            " trees; there are 1 to 16 of both");
 }
 
 NearestField::NearestField(ImageView<const std::int16_t> source, double scale, SizePx target,
-                           const FieldOptions& options)
+                           const FieldOptions& options, const FieldLimits& limits)
     : source_(source),
       scale_(scale),
       target_size_(target),
       options_(options),
       reach_(options.patch / 2),
+      corner_(reach_ * (source.width + 1)),
+      voted_(source.channels - (limits.guide.empty() ? 0 : limits.guide.channels)),
       distance_(patchDistance(options.patch, source.channels, simdPath())),
-      target_(target.width + 2 * (options.patch / 2), target.height + 2 * (options.patch / 2),
-              source.channels) {
+      kept_(limits.kept.begin(), limits.kept.end()),
+      target_(target.width + 2 * reach_, target.height + 2 * reach_, source.channels),
+      wakefulness_(target, options.wraps, kPassesAwake) {
   options.check();
-  PATINA_CHECK(std::min(source.width, source.height) >= options.patch && target.width >= 1 &&
-               target.height >= 1);
+  PATINA_CHECK(std::min(source.width, source.height) >= options.patch &&
+               source.row_stride == std::ptrdiff_t{source.width} * source.channels &&
+               std::min(target.width, target.height) >= 1 && voted_ >= 8 && voted_ % 8 == 0 &&
+               (kept_.empty() || kept_.size() == indexOf(0, target.height)));
   const double texels = static_cast<double>(target.width) * target.height,
                source_texels = static_cast<double>(source.width) * source.height,
                even = texels / source_texels * options.patch * options.patch;
   penalty_scale_ = static_cast<float>(options.uniformity * scale * scale /
                                       (options.patch * options.patch * even));
+  markUsable(limits.usable);
+  if (!limits.guide.empty()) placeGuide(limits.guide);
   if (options.search == SearchKind::kCoherent)
-    similar_.emplace_back(source, options.patch, options.similar);
+    similar_.emplace_back(source, options.patch, usable_, options.similar);
   layLanes();
+}
+
+void NearestField::markUsable(std::span<const std::uint8_t> usable) {
+  const int width = source_.width, height = source_.height;
+  usable_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  PATINA_CHECK(usable.empty() || usable.size() == usable_.size());
+  bool any = false;
+  for (int y = reach_; y < height - reach_; ++y)
+    for (int x = reach_; x < width - reach_; ++x) {
+      bool all = true;
+      for (int dy = -reach_; dy <= reach_ && all && !usable.empty(); ++dy)
+        for (int dx = -reach_; dx <= reach_; ++dx)
+          all &= usable[static_cast<std::size_t>((y + dy) * width + x + dx)] != 0;
+      usable_[static_cast<std::size_t>(y * width + x)] = all;
+      any |= all;
+    }
+  if (!any)
+    throw ProcessingError(Exit::kUsage, "the mask leaves no whole patch of " +
+                                            std::to_string(options_.patch) + " texels to show");
+}
+
+void NearestField::placeGuide(ImageView<const std::int16_t> guide) {
+  PATINA_CHECK(guide.size() == target_size_);
+  for (int y = 0; y < target_size_.height; ++y)
+    for (int x = 0; x < target_size_.width; ++x)
+      std::copy_n(&guide.at(x, y), guide.channels, &target_.at(x + reach_, y + reach_, voted_));
 }
 
 void NearestField::layLanes() {
@@ -72,70 +109,89 @@ void NearestField::layLanes() {
       std::clamp<std::int64_t>(in_work / (std::int64_t{tile_px_} * tile_px_), 1, kLanesMax));
   columns_ = (target_size_.width + tile_px_ - 1) / tile_px_;
   rows_ = (target_size_.height + tile_px_ - 1) / tile_px_;
-  // Bands of two tiles at least: neighbours of a tile in work are then at rest.
+  // Bands of two tiles at least, the last one too where the target wraps: neighbours of a tile in
+  // work are then at rest.
   band_ = std::max(2, (columns_ + lanes - 1) / lanes);
+  while (options_.wraps && columns_ > band_ && columns_ % band_ == 1) ++band_;
   lanes_ = (columns_ + band_ - 1) / band_;
   changes_.resize(static_cast<std::size_t>(lanes_));
 }
 
 void NearestField::start(std::vector<std::int32_t> centres) {
   centres_ = std::move(centres);
-  PATINA_CHECK(centres_.size() == static_cast<std::size_t>(target_size_.width) *
-                                      static_cast<std::size_t>(target_size_.height));
+  PATINA_CHECK(centres_.size() == indexOf(0, target_size_.height));
+  std::vector<std::int32_t> places;
+  for (std::size_t i = 0; i < usable_.size(); ++i)
+    if (usable_[i] != 0) places.push_back(static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < centres_.size(); ++i)
+    if (usable_[static_cast<std::size_t>(centres_[i])] == 0 && (kept_.empty() || kept_[i] == 0))
+      centres_[i] = places[uniformBelow(hashSeed(options_.seed, i), places.size())];
   distances_.assign(centres_.size(), 0);
   Occupancy occupancy({source_.width, source_.height}, options_.patch);
-  for (const std::int32_t centre : centres_)
-    occupancy.add(centre % source_.width, centre / source_.width);
+  for (const std::int32_t centre : centres_) occupancy.add(centre);
   occupancy_.assign(static_cast<std::size_t>(lanes_), occupancy);
+  wakefulness_.wakeAll();
+  for (std::size_t i = 0; i < centres_.size(); ++i) wakefulness_.noteChange(i);
 }
 
-void NearestField::voteTexel(int x, int y) {
-  const int channels = source_.channels, width = target_size_.width, height = target_size_.height;
-  std::array<std::int32_t, 16> sum{};
-  int votes = 0;
-  for (int dy = -reach_; dy <= reach_; ++dy)
-    for (int dx = -reach_; dx <= reach_; ++dx) {
-      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-      const std::int32_t centre = centres_[indexOf(x + dx, y + dy)];
-      const std::int16_t* texel =
-          &source_.at(centre % source_.width - dx, centre / source_.width - dy);
-      for (int k = 0; k < channels; ++k) sum[static_cast<std::size_t>(k)] += texel[k];
-      ++votes;
-    }
-  std::int16_t* to = &target_.at(x + reach_, y + reach_);
-  const float share = 1.0f / static_cast<float>(votes);
-  for (int k = 0; k < channels; ++k)
-    to[k] = static_cast<std::int16_t>(
-        std::lrintf(static_cast<float>(sum[static_cast<std::size_t>(k)]) * share));
+Votes NearestField::votes() const {
+  return {centres_, target_size_, source_.width, reach_, options_.wraps, kept_};
+}
+
+void NearestField::voteTexel(const Votes& votes, int x, int y) {
+  for (int first = 0; first < voted_; first += 8) {
+    __m128i low = _mm_setzero_si128(), high = low;
+    const int count = forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
+      const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(
+          source_.data + static_cast<std::ptrdiff_t>(texel) * source_.channels + first));
+      low = _mm_add_epi32(low, _mm_cvtepi16_epi32(v));
+      high = _mm_add_epi32(high, _mm_cvtepi16_epi32(_mm_unpackhi_epi64(v, v)));
+    });
+    const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(count));
+    low = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(low), share));
+    high = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(high), share));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(&target_.at(x + reach_, y + reach_, first)),
+                     _mm_packs_epi32(low, high));
+  }
 }
 
 void NearestField::padTarget() {
-  const int width = target_.width(), height = target_.height(), channels = target_.channels();
+  const int width = target_size_.width, height = target_size_.height, channels = target_.channels();
   const ImageView<std::int16_t> view = target_.view();
-  for (int y = reach_; y < height - reach_; ++y)
-    for (int i = 0; i < reach_; ++i) {
-      std::copy_n(&view.at(reach_, y), channels, &view.at(i, y));
-      std::copy_n(&view.at(width - 1 - reach_, y), channels, &view.at(width - 1 - i, y));
+  const auto from = [&](int i, int length) {
+    const int inside =
+        options_.wraps ? (i % length + length) % length : std::clamp(i, 0, length - 1);
+    return inside + reach_;
+  };
+  for (int y = reach_; y < height + reach_; ++y)
+    for (int i = -reach_; i < 0; ++i) {
+      std::copy_n(&view.at(from(i, width), y), channels, &view.at(i + reach_, y));
+      const int right = width - 1 - i;
+      std::copy_n(&view.at(from(right, width), y), channels, &view.at(right + reach_, y));
     }
-  for (int i = 0; i < reach_; ++i) {
-    std::copy_n(view.row(reach_), view.row_stride, view.row(i));
-    std::copy_n(view.row(height - 1 - reach_), view.row_stride, view.row(height - 1 - i));
+  for (int i = -reach_; i < 0; ++i) {
+    std::copy_n(view.row(from(i, height)), view.row_stride, view.row(i + reach_));
+    const int below = height - 1 - i;
+    std::copy_n(view.row(from(below, height)), view.row_stride, view.row(below + reach_));
   }
 }
 
 void NearestField::vote() {
-  tbb::parallel_for(0, target_size_.height, [&](int y) {
-    for (int x = 0; x < target_size_.width; ++x) voteTexel(x, y);
+  const Votes all = votes();
+  const std::vector<std::uint8_t> texels = wakefulness_.takeChangesWithin(reach_),
+                                  patches = wakefulness_.spread(texels, reach_);
+  constexpr std::int64_t kCostTexel = 30;
+  forEachRow(target_size_.height, kCostTexel * target_size_.width, [&](int y) {
+    for (int x = 0; x < target_size_.width; ++x)
+      if (texels[indexOf(x, y)] != 0) voteTexel(all, x, y);
   });
   padTarget();
-}
-
-void NearestField::refreshDistances() {
-  tbb::parallel_for(0, target_size_.height, [&](int y) {
+  forEachRow(target_size_.height, kCostTexel * target_size_.width, [&](int y) {
     for (int x = 0; x < target_size_.width; ++x) {
       const std::size_t i = indexOf(x, y);
-      distances_[i] = distance_(&target_.at(x, y), sourceCorner(centres_[i]),
-                                target_.view().row_stride, source_.row_stride, INT_MAX);
+      if (patches[i] != 0)
+        distances_[i] = distance_(&target_.at(x, y), sourceCorner(centres_[i]),
+                                  target_.view().row_stride, source_.row_stride, INT_MAX);
     }
   });
 }
@@ -150,103 +206,149 @@ NearestField::Tile NearestField::tileOf(int lane, int column, int row, bool forw
 
 void NearestField::search(int pass) {
   const bool forward = pass % 2 == 0;
+  if (options_.search == SearchKind::kPatchMatch) wakefulness_.wakeAll();
+  wakefulness_.beginPass();
   for (int row = 0; row < rows_; ++row)
     for (int column = 0; column < band_; ++column) {
       tbb::parallel_for(0, lanes_, [&](int lane) {
         changes_[static_cast<std::size_t>(lane)].clear();
         sweep(lane, tileOf(lane, column, row, forward), pass, forward);
       });
+      if (std::all_of(changes_.begin(), changes_.end(), [](const auto& c) { return c.empty(); }))
+        continue;
       tbb::parallel_for(0, lanes_, [&](int lane) {
         Occupancy& own = occupancy_[static_cast<std::size_t>(lane)];
         for (int other = 0; other < lanes_; ++other)
           if (other != lane)
             for (const Change& change : changes_[static_cast<std::size_t>(other)]) {
-              own.add(change.to % source_.width, change.to / source_.width);
-              own.remove(change.from % source_.width, change.from / source_.width);
+              own.add(change.to);
+              own.remove(change.from);
             }
       });
     }
 }
 
-void NearestField::propose(std::int32_t centre, const std::int16_t* target, int lane,
-                           Candidate& best) {
-  if (centre == best.centre) return;
-  Occupancy& occupancy = occupancy_[static_cast<std::size_t>(lane)];
-  const std::int32_t bound = best.distance + best.penalty - penalty(occupancy, centre);
-  if (bound <= 0) return;
-  const std::int32_t distance =
-      distance_(target, sourceCorner(centre), target_.view().row_stride, source_.row_stride, bound);
-  if (distance >= bound) return;
-  changes_[static_cast<std::size_t>(lane)].push_back({best.centre, centre});
-  occupancy.add(centre % source_.width, centre / source_.width);
-  occupancy.remove(best.centre % source_.width, best.centre / source_.width);
-  best = {centre, distance, penalty(occupancy, centre)};
-}
-
-void NearestField::proposeSimilar(std::int32_t to, const std::int16_t* target, int lane,
-                                  Candidate& best) {
-  const std::int32_t* similar = similar_[0].of(to);
-  for (int k = 0; k < similar_[0].count() && similar[k] >= 0; ++k)
-    propose(similar[k], target, lane, best);
-}
-
-void NearestField::proposeNeighbour(int x, int y, int dx, int dy, const std::int16_t* target,
-                                    int lane, Candidate& best, bool with_similar) {
-  if (x + dx < 0 || x + dx >= target_size_.width || y + dy < 0 || y + dy >= target_size_.height)
-    return;
-  const std::int32_t shown = centres_[indexOf(x + dx, y + dy)];
-  const int sx = shown % source_.width - dx, sy = shown / source_.width - dy;
-  if (sx < reach_ || sx >= source_.width - reach_ || sy < reach_ || sy >= source_.height - reach_)
-    return;
-  const std::int32_t centre = sy * source_.width + sx;
-  propose(centre, target, lane, best);
-  if (with_similar) proposeSimilar(centre, target, lane, best);
-}
-
-void NearestField::proposeRandom(int x, int y, int pass, const std::int16_t* target, int lane,
-                                 Candidate& best) {
-  const int width = source_.width, height = source_.height;
-  std::uint64_t key = hashSeed(options_.seed, static_cast<std::uint64_t>(pass),
-                               static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y));
-  const int sx = best.centre % width, sy = best.centre / width;
-  for (int radius = 1; radius < 2 * std::max(width, height); radius *= 2) {
-    const int x0 = std::max(sx - radius, reach_), x1 = std::min(sx + radius, width - 1 - reach_),
-              y0 = std::max(sy - radius, reach_), y1 = std::min(sy + radius, height - 1 - reach_);
-    key = mixBits(key);
-    const int cx = x0 + static_cast<int>(
-                            (key & 0xffffffff) * static_cast<std::uint64_t>(x1 - x0 + 1) >> 32),
-              cy = y0 +
-                   static_cast<int>((key >> 32) * static_cast<std::uint64_t>(y1 - y0 + 1) >> 32);
-    propose(cy * width + cx, target, lane, best);
-  }
-}
-
 void NearestField::sweep(int lane, const Tile& tile, int pass, bool forward) {
-  const int step = forward ? 1 : -1;
-  const Occupancy& occupancy = occupancy_[static_cast<std::size_t>(lane)];
-  const auto turn = static_cast<std::size_t>(pass) * 2;
+  const int step = forward ? 1 : -1, width = target_size_.width;
   for (int j = 0; j < tile.y1 - tile.y0; ++j)
     for (int i = 0; i < tile.x1 - tile.x0; ++i) {
       const int x = forward ? tile.x0 + i : tile.x1 - 1 - i,
                 y = forward ? tile.y0 + j : tile.y1 - 1 - j;
       const std::size_t at = indexOf(x, y);
-      const std::int16_t* target = &target_.at(x, y);
-      Candidate best{centres_[at], distances_[at], penalty(occupancy, centres_[at])};
-      proposeNeighbour(x, y, -step, 0, target, lane, best, false);
-      proposeNeighbour(x, y, 0, -step, target, lane, best, false);
-      if (options_.search == SearchKind::kCoherent) {
-        // Two of the eight neighbours a pass, in turn; with what is similar to what they show.
-        for (std::size_t n = 0; n < 2; ++n) {
-          const Step around = kAround[(turn + n) % kAround.size()];
-          proposeNeighbour(x, y, around.x, around.y, target, lane, best, true);
-        }
-        proposeSimilar(best.centre, target, lane, best);
-      } else {
-        proposeRandom(x, y, pass, target, lane, best);
-      }
-      centres_[at] = best.centre;
-      distances_[at] = best.distance;
+      const int left = x - step, up = y - step;
+      const bool moved =
+          (left >= 0 && left < width && wakefulness_.changedNow(indexOf(left, y))) ||
+          (up >= 0 && up < target_size_.height && wakefulness_.changedNow(indexOf(x, up)));
+      if (!moved && !wakefulness_.awake(at)) continue;
+      if (!kept_.empty() && kept_[at] != 0) continue;
+      judge(lane, x, y, pass, step);
     }
+}
+
+std::int32_t NearestField::neighbour(int x, int y) const {
+  const int width = target_size_.width, height = target_size_.height;
+  if (options_.wraps) {
+    x = x < 0 ? x + width : x >= width ? x - width : x;
+    y = y < 0 ? y + height : y >= height ? y - height : y;
+  } else if (x < 0 || x >= width || y < 0 || y >= height) {
+    return -1;
+  }
+  return static_cast<std::int32_t>(indexOf(x, y));
+}
+
+struct NearestField::Judge {
+  NearestField& field;
+  Occupancy& occupancy;
+  std::vector<Change>& changes;
+  const std::int16_t* target;
+  Candidate best;
+
+  std::int32_t penalty(std::int32_t centre) const {
+    return static_cast<std::int32_t>(field.penalty_scale_ *
+                                     static_cast<float>(occupancy.at(centre)));
+  }
+  void propose(std::int32_t centre) {
+    if (centre == best.centre) return;
+    const std::int32_t bound = best.distance + best.penalty - penalty(centre);
+    if (bound <= 0) return;
+    const std::int32_t distance =
+        field.distance_(target, field.sourceCorner(centre), field.target_.view().row_stride,
+                        field.source_.row_stride, bound);
+    if (distance >= bound) return;
+    changes.push_back({best.centre, centre});
+    occupancy.add(centre);
+    occupancy.remove(best.centre);
+    best = {centre, distance, penalty(centre)};
+  }
+  // Candidates lie anywhere in the source: asked for before the neighbours' are judged.
+  void fetchSimilar(std::int32_t to) const {
+    const SimilarPatches& similar = field.similar_[0];
+    const std::int32_t* at = similar.of(to);
+    for (int k = 0; k < similar.count() && at[k] >= 0; ++k) {
+      occupancy.fetch(at[k]);
+      __builtin_prefetch(field.sourceCorner(at[k]));
+      __builtin_prefetch(field.sourceCorner(at[k] + field.source_.width));
+    }
+  }
+  void proposeSimilar(std::int32_t to) {
+    const SimilarPatches& similar = field.similar_[0];
+    const std::int32_t* at = similar.of(to);
+    for (int k = 0; k < similar.count() && at[k] >= 0; ++k) propose(at[k]);
+  }
+  // What the patch at (dx, dy) shows, moved along; -1 where there is none.
+  std::int32_t continued(int x, int y, Step d) const {
+    const std::int32_t at = field.neighbour(x + d.x, y + d.y);
+    if (at < 0) return -1;
+    const std::int32_t centre =
+        field.centres_[static_cast<std::size_t>(at)] - d.y * field.source_.width - d.x;
+    return field.usable_[static_cast<std::size_t>(centre)] != 0 ? centre : -1;
+  }
+  void proposeRandom(std::uint64_t key) {
+    const int width = field.source_.width, height = field.source_.height, reach = field.reach_;
+    const int sx = best.centre % width, sy = best.centre / width;
+    for (int radius = 1; radius < 2 * std::max(width, height); radius *= 2) {
+      const int x0 = std::max(sx - radius, reach), x1 = std::min(sx + radius, width - 1 - reach),
+                y0 = std::max(sy - radius, reach), y1 = std::min(sy + radius, height - 1 - reach);
+      key = mixBits(key);
+      const auto cx = x0 + static_cast<int>(
+                               (key & 0xffffffff) * static_cast<std::uint64_t>(x1 - x0 + 1) >> 32),
+                 cy = y0 +
+                      static_cast<int>((key >> 32) * static_cast<std::uint64_t>(y1 - y0 + 1) >> 32);
+      const std::int32_t centre = cy * width + cx;
+      if (field.usable_[static_cast<std::size_t>(centre)] != 0) propose(centre);
+    }
+  }
+};
+
+void NearestField::judge(int lane, int x, int y, int pass, int step) {
+  const std::size_t at = indexOf(x, y);
+  Judge judge{*this,
+              occupancy_[static_cast<std::size_t>(lane)],
+              changes_[static_cast<std::size_t>(lane)],
+              &target_.at(x, y),
+              {centres_[at], distances_[at], 0}};
+  judge.best.penalty = judge.penalty(centres_[at]);
+  if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
+  for (const Step before : {Step{-step, 0}, Step{0, -step}})
+    if (const std::int32_t centre = judge.continued(x, y, before); centre >= 0)
+      judge.propose(centre);
+  if (options_.search == SearchKind::kCoherent) {
+    // Two of the eight neighbours a pass, in turn; with what is similar to what they show.
+    for (std::size_t n = 0; n < 2; ++n) {
+      const Step around = kAround[(static_cast<std::size_t>(pass) * 2 + n) % kAround.size()];
+      const std::int32_t centre = judge.continued(x, y, around);
+      if (centre < 0) continue;
+      judge.propose(centre);
+      if (centre != judge.best.centre) judge.proposeSimilar(centre);
+    }
+    judge.proposeSimilar(judge.best.centre);
+  } else {
+    judge.proposeRandom(hashSeed(options_.seed, static_cast<std::uint64_t>(pass),
+                                 static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
+  }
+  if (judge.best.centre != centres_[at]) wakefulness_.noteChange(at);
+  centres_[at] = judge.best.centre;
+  distances_[at] = judge.best.distance;
 }
 
 FieldEnergy NearestField::energy() const {
@@ -256,7 +358,7 @@ FieldEnergy NearestField::energy() const {
   FieldEnergy energy;
   for (std::size_t i = 0; i < centres_.size(); ++i) {
     energy.patch += distances_[i];
-    energy.occupancy += occupancy_[0].at(centres_[i] % source_.width, centres_[i] / source_.width);
+    energy.occupancy += occupancy_[0].at(centres_[i]);
   }
   energy.patch /= texels * scale_ * scale_;
   energy.occupancy /= texels * even;

@@ -9,21 +9,22 @@
 // it lets all patches run to the same places and never settles. It is current here, and the result
 // is the same for any number of threads: see docs/decisions/0015.
 //
-//   lanes      the target's columns of tiles, cut into bands; a lane sweeps one band, tile by tile,
-//   in
-//              step with the others, so that tiles in work never touch
-//   a lane     has its own copy of the occupancy: what all knew before this step, and its own
-//   changes a step     ends when all lanes are done; then every lane takes over the others' changes
+// A lane is a band of the target's columns of tiles; it sweeps its band tile by tile, in step with
+// the others, so that tiles in work never touch. It has its own copy of the occupancy: what all
+// knew before this step, and its own changes. A step ends when all lanes are done; then every lane
+// takes over the others' changes.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "processing/image/image.h"
-#include "processing/image/progress.h"
 #include "processing/patch/occupancy.h"
 #include "processing/patch/patch_distance.h"
 #include "processing/patch/similar_patches.h"
+#include "processing/patch/votes.h"
+#include "processing/patch/wakefulness.h"
 
 namespace patina::patch {
 
@@ -37,9 +38,18 @@ struct FieldOptions {
   double uniformity = 0.075;  // weight of occupancy, where 1 is even use; in units of the features'
                               // squared difference of one patch before their scale
   SearchKind search = SearchKind::kCoherent;
-  SimilarOptions similar;
+  SimilarOptions similar = {};
+  bool wraps = false;  // the target goes on at its other side
   std::uint64_t seed = 1;
   void check() const;  // throws ProcessingError(kUsage): field, value, range
+};
+
+// What limits a field. All spans are copied.
+struct FieldLimits {
+  std::span<const std::uint8_t> usable = {};  // [h][w] of the source: no patch covers a 0
+  std::span<const std::uint8_t> kept = {};    // [h][w] of the target: these patches stay
+  ImageView<const std::int16_t> guide = {};   // [h][w][n] of the target; n a multiple of 8. The
+                                              // source's last n components are its guides
 };
 
 struct FieldEnergy {
@@ -49,19 +59,20 @@ struct FieldEnergy {
 
 class NearestField {
  public:
-  // `source` [h][w][8 or 16] integers, `scale` times the features meant; borrowed. Both sizes at
-  // least `patch`.
+  // `source` [h][w][8, 16 or 24] integers, `scale` times the features meant; borrowed, rows without
+  // gaps. Both sizes at least `patch`. Throws ProcessingError(kUsage) where no patch is usable.
   NearestField(ImageView<const std::int16_t> source, double scale, SizePx target,
-               const FieldOptions& options);
+               const FieldOptions& options, const FieldLimits& limits = {});
 
-  // Centres [h][w] as y * source width + x, at least patch / 2 from the source's edge.
+  // Centres [h][w] as y * source width + x, at least patch / 2 from the source's edge. Where one is
+  // not usable, a usable one takes its place.
   void start(std::vector<std::int32_t> centres);
   const std::vector<std::int32_t>& centres() const { return centres_; }
 
-  void vote();              // target texels <- mean of what the patches over them show
-  void search(int pass);    // one pass over all patches; passes alternate their direction
-  void refreshDistances();  // after vote(), before search()
-  FieldEnergy energy() const;
+  void vote();            // target texels <- mean of what the patches over them show
+  void search(int pass);  // one pass; passes alternate their direction. After vote()
+  void wakeAll() { wakefulness_.wakeAll(); }  // the next passes judge every patch again
+  FieldEnergy energy() const;                 // after vote()
 
  private:
   struct Change {
@@ -73,42 +84,39 @@ class NearestField {
   struct Candidate {
     std::int32_t centre, distance, penalty;
   };
+  struct Judge;  // of one target patch, in one lane
 
+  void markUsable(std::span<const std::uint8_t> usable);
+  void placeGuide(ImageView<const std::int16_t> guide);
   void layLanes();
   Tile tileOf(int lane, int column, int row, bool forward) const;
   void sweep(int lane, const Tile& tile, int pass, bool forward);
-  void propose(std::int32_t centre, const std::int16_t* target, int lane, Candidate& best);
-  void proposeNeighbour(int x, int y, int dx, int dy, const std::int16_t* target, int lane,
-                        Candidate& best, bool with_similar);
-  void proposeSimilar(std::int32_t to, const std::int16_t* target, int lane, Candidate& best);
-  void proposeRandom(int x, int y, int pass, const std::int16_t* target, int lane, Candidate& best);
-  std::int32_t penalty(const Occupancy& occupancy, std::int32_t centre) const {
-    return static_cast<std::int32_t>(
-        penalty_scale_ *
-        static_cast<float>(occupancy.at(centre % source_.width, centre / source_.width)));
-  }
-  const std::int16_t* sourceCorner(std::int32_t centre) const {
-    return source_.data +
-           static_cast<std::ptrdiff_t>(centre / source_.width - reach_) * source_.row_stride +
-           static_cast<std::ptrdiff_t>(centre % source_.width - reach_) * source_.channels;
-  }
+  void judge(int lane, int x, int y, int pass, int step);
+  void voteTexel(const Votes& votes, int x, int y);
+  void padTarget();
+  std::int32_t neighbour(int x, int y) const;  // index in the target; -1: beyond its edge
+  Votes votes() const;
   std::size_t indexOf(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(target_size_.width) +
            static_cast<std::size_t>(x);
   }
-  void voteTexel(int x, int y);
-  void padTarget();
+  const std::int16_t* sourceCorner(std::int32_t centre) const {
+    return source_.data + static_cast<std::ptrdiff_t>(centre - corner_) * source_.channels;
+  }
 
   ImageView<const std::int16_t> source_;
   double scale_;
   SizePx target_size_;
   FieldOptions options_;
-  int reach_;
+  int reach_, corner_, voted_;  // corner_: from a centre to its patch's corner, in texels; voted_:
+                                // components that are voted, the guide's behind them
   float penalty_scale_;
   PatchDistance distance_;
+  std::vector<std::uint8_t> usable_, kept_;
   std::vector<SimilarPatches> similar_;  // one, or none for PatchMatch
-  Image<std::int16_t> target_;           // with a margin of `reach_` that repeats the edge
+  Image<std::int16_t> target_;           // with a margin of `reach_`: its edge, or its other side
   std::vector<std::int32_t> centres_, distances_;
+  Wakefulness wakefulness_;
 
   int tile_px_ = 0, lanes_ = 0, band_ = 0, columns_ = 0, rows_ = 0;
   std::vector<Occupancy> occupancy_;          // a lane

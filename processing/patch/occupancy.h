@@ -11,26 +11,31 @@
 
 namespace patina::patch {
 
+// Centres are indices y * source width + x, at least patch / 2 from the source's edge.
 class Occupancy {
  public:
   Occupancy(SizePx source, int patch);
 
-  // One target patch more (or less) shows the source patch around (x,y).
-  void add(int x, int y) { change(x, y, 1); }
-  void remove(int x, int y) { change(x, y, -1); }
-  // Of the source patch around (x,y): covered texels, counted as often as they are covered.
-  std::int32_t at(int x, int y) const {
-    return sums_[static_cast<std::size_t>(y + reach_) * stride_ +
-                 static_cast<std::size_t>(x + reach_)];
+  // One target patch more (or less) shows the source patch around `centre`.
+  void add(std::int32_t centre) { change(centre, 1); }
+  void remove(std::int32_t centre) { change(centre, -1); }
+  // Of the source patch around `centre`: covered texels, counted as often as they are covered.
+  std::int32_t at(std::int32_t centre) const {
+    return sums_[static_cast<std::size_t>(centre) + margin_];
+  }
+  void fetch(std::int32_t centre) const {
+    __builtin_prefetch(&sums_[static_cast<std::size_t>(centre) + margin_]);
   }
 
  private:
-  void change(int x, int y, int sign);
+  void change(std::int32_t centre, int sign);
 
-  int patch_, reach_;
-  std::size_t stride_;
-  std::vector<std::int32_t> tent_;  // [2 patch - 1][2 patch - 1]: texels that two patches share
-  std::vector<std::int32_t> sums_;  // with a margin, so that no update needs a test
+  int patch_;
+  std::size_t stride_, margin_;
+  std::vector<std::int32_t> tent_;  // [2 patch - 1][a little more]: texels two patches share
+  // [margin + height + margin][width]. What an update writes beyond a row's end lies nearer to the
+  // edge than any centre: nobody reads it.
+  std::vector<std::int32_t> sums_;
 };
 
 }  // namespace patina::patch

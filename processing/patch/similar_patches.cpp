@@ -2,11 +2,13 @@
 #include "processing/patch/similar_patches.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
 #include <climits>
 #include <cmath>
+#include <memory>
 
 #include "processing/image/simd_path.h"
 #include "processing/patch/patch_distance.h"
@@ -14,175 +16,187 @@
 namespace patina::patch {
 namespace {
 
-constexpr int kComponents = 4, kDimensions = 3 * kComponents;
-constexpr int kLeaf = 12;
-constexpr std::size_t kOpenMax = 64;
+constexpr int kComponents = 4, kDimensions = 12;
+constexpr int kLeaf = 32;
+constexpr std::size_t kShortList = 8;  // by their keys; then by the whole distance
 
 using Key = std::array<float, kDimensions>;
 
 // Mean and both gradients of the leading components: orthonormal, so distances of keys are lower
 // bounds of distances of patches.
 Key keyOf(ImageView<const std::int16_t> f, int x, int y, int reach) {
-  double moment = 0;
-  for (int d = -reach; d <= reach; ++d) moment += d * d;
+  float moment = 0;
+  for (int d = -reach; d <= reach; ++d) moment += static_cast<float>(d * d);
   const int side = 2 * reach + 1;
-  const auto mean = static_cast<float>(1.0 / side),
-             gradient = static_cast<float>(1 / std::sqrt(moment * side));
-  Key key{};
-  for (int dy = -reach; dy <= reach; ++dy)
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const auto texel = f.texel(x + dx, y + dy);
-      for (std::size_t k = 0; k < kComponents; ++k) {
-        const float v = texel[k];
-        key[k] += mean * v;
-        key[kComponents + k] += gradient * v * static_cast<float>(dx);
-        key[2 * kComponents + k] += gradient * v * static_cast<float>(dy);
+  std::array<std::int32_t, kDimensions> sum{};
+  for (int dy = -reach; dy <= reach; ++dy) {
+    const std::int16_t* texel = &f.at(x - reach, y + dy);
+    for (int dx = -reach; dx <= reach; ++dx, texel += f.channels)
+      for (int k = 0; k < kComponents; ++k) {
+        const auto i = static_cast<std::size_t>(3 * k);
+        sum[i] += texel[k];
+        sum[i + 1] += texel[k] * dx;
+        sum[i + 2] += texel[k] * dy;
       }
-    }
+  }
+  const float mean = 1.0f / static_cast<float>(side),
+              gradient = 1 / std::sqrt(moment * static_cast<float>(side));
+  Key key;
+  for (std::size_t i = 0; i < kDimensions; ++i)
+    key[i] = static_cast<float>(sum[i]) * (i % 3 == 0 ? mean : gradient);
   return key;
 }
 
-struct Node {
-  int first, last;     // of the leaf's patches
-  int dimension = -1;  // -1: a leaf
-  float cut = 0;
-  int below = -1, above = -1;
-};
+float difference(const Key& a, const Key& b) {
+  float sum = 0;
+  for (std::size_t i = 0; i < kDimensions; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
 
-class Tree {
+// The patches in an order in which each run of at most kLeaf is a leaf of a k-d tree. Trees differ
+// by which of the wide dimensions they cut.
+class Leaves {
  public:
-  Tree(ImageView<const std::int16_t> f, int reach) : width_(f.width) {
-    keys_.resize(static_cast<std::size_t>(f.width) * static_cast<std::size_t>(f.height));
-    tbb::parallel_for(reach, f.height - reach, [&](int y) {
-      for (int x = reach; x < f.width - reach; ++x)
-        keys_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-              static_cast<std::size_t>(x)] = keyOf(f, x, y, reach);
-    });
-    for (int y = reach; y < f.height - reach; ++y)
-      for (int x = reach; x < f.width - reach; ++x) patches_.push_back(y * width_ + x);
-    build(0, static_cast<int>(patches_.size()));
+  Leaves(const std::vector<Key>& keys, std::vector<std::int32_t> patches, int tree)
+      : keys_(keys), tree_(tree), patches_(std::move(patches)), leaf_of_(keys.size(), 0) {
+    if (!patches_.empty()) split(0, patches_.size(), 0);
   }
-
-  // Calls visit(patch) for the patches of the nearest `leaves`, nearest first.
-  template <class Visit>
-  void nearest(std::int32_t patch, int leaves, const Visit& visit) const {
-    struct Open {
-      float distance;
-      int node;
-    };
-    const Key& key = keys_[static_cast<std::size_t>(patch)];
-    std::array<Open, kOpenMax> open;
-    std::size_t count = 0;
-    open[count++] = {0, 0};
-    for (int leaf = 0; leaf < leaves && count > 0; ++leaf) {
-      const auto nearest =
-          std::min_element(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(count),
-                           [](const Open& a, const Open& b) { return a.distance < b.distance; });
-      const float distance = nearest->distance;
-      int at = nearest->node;
-      *nearest = open[--count];
-      while (nodes_[static_cast<std::size_t>(at)].dimension >= 0) {
-        const Node& node = nodes_[static_cast<std::size_t>(at)];
-        const float off = key[static_cast<std::size_t>(node.dimension)] - node.cut;
-        if (count < kOpenMax)
-          open[count++] = {distance + off * off, off < 0 ? node.above : node.below};
-        at = off < 0 ? node.below : node.above;
-      }
-      const Node& node = nodes_[static_cast<std::size_t>(at)];
-      for (int i = node.first; i < node.last; ++i) visit(patches_[static_cast<std::size_t>(i)]);
-    }
+  // Leaf mates of a patch, itself among them.
+  std::span<const std::int32_t> mates(std::int32_t patch) const {
+    const auto leaf = static_cast<std::size_t>(leaf_of_[static_cast<std::size_t>(patch)]);
+    return {&patches_[starts_[leaf]],
+            (leaf + 1 < starts_.size() ? starts_[leaf + 1] : patches_.size()) - starts_[leaf]};
   }
 
  private:
-  float value(int patch, int dimension) const {
+  float value(std::int32_t patch, int dimension) const {
     return keys_[static_cast<std::size_t>(patch)][static_cast<std::size_t>(dimension)];
   }
 
-  int widest(int first, int last) const {
-    int best = 0;
-    double most = -1;
-    const int step = std::max(1, (last - first) / 64);
+  // The widest dimension; the second widest every so often, at another depth in each tree.
+  int dimensionFor(std::size_t first, std::size_t last, int depth) const {
+    std::array<double, kDimensions> variance;
+    const std::size_t step = std::max<std::size_t>(1, (last - first) / 64);
     for (int d = 0; d < kDimensions; ++d) {
-      double sum = 0, squares = 0;
-      int n = 0;
-      for (int i = first; i < last; i += step, ++n) {
-        const double v = value(patches_[static_cast<std::size_t>(i)], d);
+      double sum = 0, squares = 0, n = 0;
+      for (std::size_t i = first; i < last; i += step, ++n) {
+        const double v = value(patches_[i], d);
         sum += v;
         squares += v * v;
       }
-      const double variance = squares / n - (sum / n) * (sum / n);
-      if (variance > most) {
-        most = variance;
-        best = d;
-      }
+      variance[static_cast<std::size_t>(d)] = squares / n - (sum / n) * (sum / n);
     }
-    return best;
+    const auto widest = std::max_element(variance.begin(), variance.end());
+    const auto at = static_cast<int>(widest - variance.begin());
+    if (tree_ == 0 || (depth + tree_) % 3 != 0) return at;
+    *widest = -1;
+    return static_cast<int>(std::max_element(variance.begin(), variance.end()) - variance.begin());
   }
 
-  int build(int first, int last) {  // NOLINT(misc-no-recursion): as deep as log2(patches)
-    const int me = static_cast<int>(nodes_.size());
-    nodes_.push_back({first, last});
-    if (last - first <= kLeaf) return me;
-    const int d = widest(first, last), middle = (first + last) / 2;
-    std::nth_element(patches_.begin() + first, patches_.begin() + middle, patches_.begin() + last,
-                     [&](std::int32_t a, std::int32_t b) {
-                       const float va = value(a, d), vb = value(b, d);
-                       return va < vb || (va == vb && a < b);
-                     });
-    const float cut = value(patches_[static_cast<std::size_t>(middle)], d);
-    const int below = build(first, middle), above = build(middle, last);
-    Node& node = nodes_[static_cast<std::size_t>(me)];
-    node.dimension = d;
-    node.cut = cut;
-    node.below = below;
-    node.above = above;
-    return me;
+  void split(std::size_t first, std::size_t last, int depth) {  // NOLINT(misc-no-recursion)
+    if (last - first <= kLeaf) {
+      for (std::size_t i = first; i < last; ++i)
+        leaf_of_[static_cast<std::size_t>(patches_[i])] = static_cast<std::int32_t>(starts_.size());
+      starts_.push_back(first);
+      return;
+    }
+    const int d = dimensionFor(first, last, depth);
+    // Not always the middle, so that the leaves of two trees have other borders.
+    const std::size_t middle =
+        first + (last - first) * static_cast<std::size_t>(8 + tree_ % 3) / 17;
+    const auto at = [&](std::size_t i) {
+      return patches_.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    std::nth_element(at(first), at(middle), at(last), [&](std::int32_t a, std::int32_t b) {
+      const float va = value(a, d), vb = value(b, d);
+      return va < vb || (va == vb && a < b);
+    });
+    split(first, middle, depth + 1);
+    split(middle, last, depth + 1);
   }
 
-  int width_;
-  std::vector<Key> keys_;
+  const std::vector<Key>& keys_;
+  int tree_;
   std::vector<std::int32_t> patches_;
-  std::vector<Node> nodes_;
+  std::vector<std::int32_t> leaf_of_;
+  std::vector<std::size_t> starts_;
 };
 
-struct Found {
-  std::int32_t distance, patch;
+// The `size` least of what is offered, in order; the first offered wins a tie.
+template <class Distance, std::size_t kMost>
+struct Least {
+  struct Entry {
+    Distance distance;
+    std::int32_t patch;
+  };
+  std::array<Entry, kMost> entries;
+  std::size_t found = 0, size = kMost;
+
+  bool full() const { return found == size; }
+  void offer(Distance distance, std::int32_t patch) {
+    if (full() && !(distance < entries[found - 1].distance)) return;
+    for (std::size_t i = 0; i < found; ++i)
+      if (entries[i].patch == patch) return;
+    std::size_t at = full() ? found - 1 : found++;
+    for (; at > 0 && distance < entries[at - 1].distance; --at) entries[at] = entries[at - 1];
+    entries[at] = {distance, patch};
+  }
 };
 
 }  // namespace
 
 SimilarPatches::SimilarPatches(ImageView<const std::int16_t> features, int patch,
-                               const SimilarOptions& options)
+                               std::span<const std::uint8_t> usable, const SimilarOptions& options)
     : count_(options.count) {
-  PATINA_CHECK(options.count >= 1 && options.count <= 16 && features.width >= patch &&
-               features.height >= patch);
   const int reach = patch / 2, width = features.width;
-  const auto most = static_cast<std::size_t>(count_);
-  similar_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(features.height) *
-                      static_cast<std::size_t>(count_),
-                  -1);
-  const Tree tree(features, reach);
+  PATINA_CHECK(
+      options.count >= 1 && options.count <= 16 && width >= patch && features.height >= patch &&
+      usable.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(features.height));
+  std::vector<Key> keys(usable.size());
+  std::vector<std::int32_t> patches;
+  for (std::size_t i = 0; i < usable.size(); ++i)
+    if (usable[i] != 0) patches.push_back(static_cast<std::int32_t>(i));
+  tbb::parallel_for(reach, features.height - reach, [&](int y) {
+    for (int x = reach; x < width - reach; ++x)
+      keys[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x)] = keyOf(features, x, y, reach);
+  });
+  std::vector<std::unique_ptr<Leaves>> trees(static_cast<std::size_t>(options.trees));
+  tbb::parallel_for(0, options.trees, [&](int i) {
+    trees[static_cast<std::size_t>(i)] = std::make_unique<Leaves>(keys, patches, i);
+  });
   const PatchDistance distance = patchDistance(patch, features.channels, simdPath());
-  const auto corner = [&](int x, int y) { return &features.at(x - reach, y - reach); };
+  const auto corner = [&](std::int32_t c) {
+    return &features.at(c % width - reach, c / width - reach);
+  };
+  const auto most = static_cast<std::size_t>(count_);
+  similar_.assign(usable.size() * most, -1);
   tbb::parallel_for(reach, features.height - reach, [&](int y) {
     for (int x = reach; x < width - reach; ++x) {
-      std::array<Found, 16> best;
-      std::size_t found = 0;
-      tree.nearest(y * width + x, options.leaves, [&](std::int32_t other) {
-        const int ox = other % width, oy = other / width;
-        if (std::abs(ox - x) < options.apart && std::abs(oy - y) < options.apart) return;
-        const std::int32_t bound = found < most ? INT_MAX : best[found - 1].distance;
-        const std::int32_t d =
-            distance(corner(x, y), corner(ox, oy), features.row_stride, features.row_stride, bound);
-        if (d >= bound) return;
-        std::size_t at = found < most ? found++ : found - 1;
-        for (; at > 0 && best[at - 1].distance > d; --at) best[at] = best[at - 1];
-        best[at] = {d, other};
-      });
-      std::int32_t* to = &similar_[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                    static_cast<std::size_t>(x)) *
-                                   most];
-      for (std::size_t i = 0; i < found; ++i) to[i] = best[i].patch;
+      const std::int32_t me = y * width + x;
+      if (usable[static_cast<std::size_t>(me)] == 0) continue;
+      Least<float, 16> listed;
+      listed.size = std::max(most, kShortList);
+      for (const auto& tree : trees)
+        for (const std::int32_t other : tree->mates(me)) {
+          const float d =
+              difference(keys[static_cast<std::size_t>(me)], keys[static_cast<std::size_t>(other)]);
+          if (listed.full() && !(d < listed.entries[listed.found - 1].distance)) continue;
+          if (std::abs(other % width - x) < options.apart &&
+              std::abs(other / width - y) < options.apart)
+            continue;
+          listed.offer(d, other);
+        }
+      Least<std::int32_t, 16> nearest;
+      nearest.size = most;
+      for (std::size_t i = 0; i < listed.found; ++i) {
+        const std::int32_t other = listed.entries[i].patch;
+        nearest.offer(
+            distance(corner(me), corner(other), features.row_stride, features.row_stride, INT_MAX),
+            other);
+      }
+      for (std::size_t i = 0; i < nearest.found; ++i)
+        similar_[static_cast<std::size_t>(me) * most + i] = nearest.entries[i].patch;
     }
   });
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // For every source patch a few others that look like it: the candidates of a k-coherent search
-// (Tong et al. 2002), which needs no random search. Found through a k-d tree over the patches'
-// means and gradients, best leaves first, judged by their exact distance.
+// (Tong et al. 2002), which needs no random search. Found in the leaves of a few trees over the
+// patches' leading features, judged by their exact distance.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "processing/image/image.h"
@@ -12,20 +13,22 @@
 namespace patina::patch {
 
 struct SimilarOptions {
-  int count = 4;   // of each patch
-  int leaves = 6;  // of the tree looked into; more finds nearer ones
-  int apart = 3;   // texels at least, in x or y: closer ones are what propagation finds anyway
+  int count = 4;  // of each patch
+  int trees = 3;  // whose leaves are looked through; more find nearer ones
+  int apart = 3;  // texels at least, in x or y: closer ones are what propagation finds anyway
 };
 
 class SimilarPatches {
  public:
-  // `features` [h][w][8 or 16], at least `patch` texels each way. O(texels * log(texels)).
-  SimilarPatches(ImageView<const std::int16_t> features, int patch, const SimilarOptions& options);
+  // `features` [h][w][multiple of 8], rows without gaps, at least `patch` texels each way.
+  // `usable` [h][w]: 0 where no patch may be centred. O(texels * log(texels)).
+  SimilarPatches(ImageView<const std::int16_t> features, int patch,
+                 std::span<const std::uint8_t> usable, const SimilarOptions& options);
 
   int count() const { return count_; }
-  // Indices y * width + x of the centres; -1 where there are no more. Nearest first.
-  const std::int32_t* of(std::int32_t index) const {
-    return &similar_[static_cast<std::size_t>(index) * static_cast<std::size_t>(count_)];
+  // Centres, nearest first; -1 where there are no more.
+  const std::int32_t* of(std::int32_t centre) const {
+    return &similar_[static_cast<std::size_t>(centre) * static_cast<std::size_t>(count_)];
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -12,6 +13,8 @@
 
 namespace patina::texture_optimization {
 namespace {
+
+constexpr std::size_t kVotesMax = 49;  // of patches of 7
 
 SizePx halved(SizePx size, int times) {
   return {std::max(1, size.width >> times), std::max(1, size.height >> times)};
@@ -145,12 +148,10 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
                               options.field.patch / 2));
     field.vote();
     for (int round = 0; round < options.rounds; ++round) {
-      field.refreshDistances();
       for (int pass = 0; pass < options.passes; ++pass) field.search(round * options.passes + pass);
       field.vote();
       progress.step(work(level));
     }
-    field.refreshDistances();
     out.energy = field.energy();
     out.centres = field.centres();
     coarse_source = source_size;
@@ -160,23 +161,33 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
 }
 
 Image<float> voted(ImageView<const float> source, const OptimizedField& field, int patch) {
-  const int reach = patch / 2, width = field.size.width, height = field.size.height;
-  Image<float> out(width, height, source.channels);
+  const int width = field.size.width, height = field.size.height, channels = source.channels;
+  const patch::Votes votes{field.centres, field.size,  source.width,
+                           patch / 2,     field.wraps, field.kept};
+  Image<float> out(width, height, channels);
+  const auto at = [&](std::int32_t texel) {
+    return &source.at(texel % source.width, texel / source.width);
+  };
   tbb::parallel_for(0, height, [&](int y) {
+    std::array<std::int32_t, kVotesMax> shown;
     for (int x = 0; x < width; ++x) {
-      const auto to = out.view().texel(x, y);
-      int votes = 0;
-      for (int dy = -reach; dy <= reach; ++dy)
-        for (int dx = -reach; dx <= reach; ++dx) {
-          if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-          const std::int32_t centre =
-              field.centres[static_cast<std::size_t>(y + dy) * static_cast<std::size_t>(width) +
-                            static_cast<std::size_t>(x + dx)];
-          const auto from = source.texel(centre % source.width - dx, centre / source.width - dy);
-          for (std::size_t c = 0; c < to.size(); ++c) to[c] += from[c];
-          ++votes;
-        }
-      for (float& v : to) v /= static_cast<float>(votes);
+      std::size_t count = 0;
+      bool agreed = true;
+      patch::forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
+        shown[count++] = texel;
+        agreed &= texel == shown[0];
+      });
+      float* to = &out.at(x, y);
+      if (agreed) {
+        std::copy_n(at(shown[0]), channels, to);
+        continue;
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        const float* from = at(shown[i]);
+        for (int c = 0; c < channels; ++c) to[c] += from[c];
+      }
+      const float share = 1.0f / static_cast<float>(count);
+      for (int c = 0; c < channels; ++c) to[c] *= share;
     }
   });
   return out;

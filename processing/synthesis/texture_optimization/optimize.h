@@ -18,7 +18,7 @@ struct OptimizeOptions {
   SizePx size{1024, 1024};  // of the result, at least the patch
   patch::FieldOptions field;
   int rounds = 8;                   // of search and vote, a level
-  int passes = 4;                   // over all patches, a round
+  int passes = 2;                   // over what is awake, a round
   int components = 8;               // compared; 8 or 16
   int coarsest_px = 11;             // side of the smallest level of the sample, at least
   void check(SizePx source) const;  // throws ProcessingError(kUsage): field, value, range
@@ -30,6 +30,8 @@ struct OptimizedField {
   patch::FieldEnergy energy;          // on the compared components
   double left_out = 0;                // share of the features' variance that they leave out
   int levels = 0;
+  bool wraps = false;
+  std::vector<std::uint8_t> kept;  // [h][w], or empty: texels that show their own centre alone
 };
 
 // `features` [h][w][n]: plain squared differences are the distance meant. Same result for any

@@ -38,20 +38,17 @@ struct Outcome {
   FieldEnergy before, after;
 };
 
-Outcome optimised(const FieldOptions& options, int rounds) {
+Outcome optimised(const FieldOptions& options, int rounds, const FieldLimits& limits = {}) {
   const Image<std::int16_t> source = blobs();
-  NearestField field(source.view(), 1000, {kTarget, kTarget}, options);
+  NearestField field(source.view(), 1000, {kTarget, kTarget}, options, limits);
   field.start(anywhere(7));
   field.vote();
-  field.refreshDistances();
   Outcome out;
   out.before = field.energy();
   for (int round = 0; round < rounds; ++round) {
-    field.refreshDistances();
     for (int pass = 0; pass < 4; ++pass) field.search(4 * round + pass);
     field.vote();
   }
-  field.refreshDistances();
   out.centres = field.centres();
   out.after = field.energy();
   return out;
@@ -82,10 +79,9 @@ TEST(NearestField, LowersTheEnergyAndKeepsUseEven) {
 TEST(NearestField, CountsUsesExactlyAfterManySteps) {
   const Outcome out = optimised({.uniformity = 2, .similar = {}}, 4);
   Occupancy counted({kSource, kSource}, 5);
-  for (const std::int32_t centre : out.centres) counted.add(centre % kSource, centre / kSource);
+  for (const std::int32_t centre : out.centres) counted.add(centre);
   double sum = 0;
-  for (const std::int32_t centre : out.centres)
-    sum += counted.at(centre % kSource, centre / kSource);
+  for (const std::int32_t centre : out.centres) sum += counted.at(centre);
   const double even = static_cast<double>(kTarget * kTarget) / (kSource * kSource) * 625;
   EXPECT_NEAR(out.after.occupancy, sum / (kTarget * kTarget) / even, 1e-9);
 }
@@ -94,6 +90,77 @@ TEST(NearestField, UsesTheSourceMoreEvenlyTheMoreThatCounts) {
   const Outcome even = optimised({.uniformity = 5, .similar = {}}, 4),
                 free = optimised({.uniformity = 0, .similar = {}}, 4);
   EXPECT_GT(free.after.occupancy, 1.2 * even.after.occupancy);
+}
+
+TEST(NearestField, ShowsNoPatchThatCoversAMaskedTexel) {
+  std::vector<std::uint8_t> usable(kSource * kSource, 1);
+  for (int y = 10; y < 20; ++y)
+    for (int x = 5; x < 30; ++x) usable[static_cast<std::size_t>(y * kSource + x)] = 0;
+  for (const SearchKind search : {SearchKind::kCoherent, SearchKind::kPatchMatch})
+    for (const std::int32_t centre :
+         optimised({.search = search, .similar = {}}, 2, {.usable = usable}).centres)
+      for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx)
+          ASSERT_NE(usable[static_cast<std::size_t>(centre + dy * kSource + dx)], 0);
+  usable.assign(usable.size(), 0);
+  EXPECT_THROW(optimised({.similar = {}}, 1, {.usable = usable}), ProcessingError);
+}
+
+TEST(NearestField, LeavesKeptPatchesWhereTheyStart) {
+  std::vector<std::uint8_t> kept(kTarget * kTarget, 0);
+  for (std::size_t i = 0; i < kept.size(); i += 7) kept[i] = 1;
+  const std::vector<std::int32_t> start = anywhere(7),
+                                  end = optimised({.similar = {}}, 2, {.kept = kept}).centres;
+  for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_TRUE(kept[i] == 0 || end[i] == start[i]);
+  EXPECT_NE(end, start);
+}
+
+// What is left of a join: the mean difference across it over that inside, in the first component.
+double joinOf(const Outcome& out) {
+  const Image<std::int16_t> source = blobs();
+  const auto value = [&](int x, int y) {
+    return static_cast<double>(
+        source.texels()[8 * static_cast<std::size_t>(
+                                out.centres[static_cast<std::size_t>(y * kTarget + x)])]);
+  };
+  double join = 0, inside = 0;
+  for (int i = 0; i < kTarget; ++i) {
+    join += std::abs(value(kTarget - 1, i) - value(0, i));
+    inside += std::abs(value(kTarget / 2, i) - value(kTarget / 2 - 1, i));
+  }
+  return join / inside;
+}
+
+TEST(NearestField, GoesOnAtTheOtherSideWhenItWraps) {
+  EXPECT_LT(joinOf(optimised({.similar = {}, .wraps = true}, 6)), 1.5);
+  EXPECT_GT(joinOf(optimised({.similar = {}}, 6)), 2);
+}
+
+TEST(NearestField, FollowsItsGuide) {
+  Image<std::int16_t> source(kSource, kSource, 16);
+  for (int y = 0; y < kSource; ++y)
+    for (int x = 0; x < kSource; ++x) {
+      std::copy_n(&blobs().view().at(x, y), 8, &source.at(x, y));
+      source.at(x, y, 8) = static_cast<std::int16_t>(2000 * x / kSource);
+    }
+  Image<std::int16_t> guide(kTarget, kTarget, 8);
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x)
+      guide.at(x, y) = static_cast<std::int16_t>(2000 * y / kTarget);
+  FieldOptions options{.uniformity = 0.01, .similar = {}};
+  NearestField field(source.view(), 1000, {kTarget, kTarget}, options, {.guide = guide.view()});
+  field.start(anywhere(7));
+  field.vote();
+  for (int pass = 0; pass < 12; ++pass) {
+    field.search(pass);
+    field.vote();
+  }
+  double off = 0;
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x)
+      off += std::abs(field.centres()[static_cast<std::size_t>(y * kTarget + x)] % kSource -
+                      static_cast<double>(y) * kSource / kTarget);
+  EXPECT_LT(off / (kTarget * kTarget), 3);
 }
 
 TEST(FieldOptions, RefusesWhatCannotBe) {

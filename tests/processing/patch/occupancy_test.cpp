@@ -9,7 +9,7 @@ namespace patina::patch {
 namespace {
 
 TEST(Occupancy, CountsHowOftenAPatchsTexelsAreShown) {
-  for (const int patch : {3, 5}) {
+  for (const int patch : {3, 5, 7}) {
     constexpr int kWidth = 17, kHeight = 13;
     const int reach = patch / 2;
     Occupancy occupancy({kWidth, kHeight}, patch);
@@ -18,7 +18,7 @@ TEST(Occupancy, CountsHowOftenAPatchsTexelsAreShown) {
       const int x = reach + static_cast<int>(uniformBelow(hashSeed(i, 1), kWidth - 2 * reach)),
                 y = reach + static_cast<int>(uniformBelow(hashSeed(i, 2), kHeight - 2 * reach));
       const bool less = i % 5 == 4;
-      less ? occupancy.remove(x, y) : occupancy.add(x, y);
+      less ? occupancy.remove(y * kWidth + x) : occupancy.add(y * kWidth + x);
       for (int dy = -reach; dy <= reach; ++dy)
         for (int dx = -reach; dx <= reach; ++dx) covered.at(x + dx, y + dy) += less ? -1 : 1;
     }
@@ -27,7 +27,7 @@ TEST(Occupancy, CountsHowOftenAPatchsTexelsAreShown) {
         int sum = 0;
         for (int dy = -reach; dy <= reach; ++dy)
           for (int dx = -reach; dx <= reach; ++dx) sum += covered.at(x + dx, y + dy);
-        ASSERT_EQ(occupancy.at(x, y), sum) << patch << " " << x << " " << y;
+        ASSERT_EQ(occupancy.at(y * kWidth + x), sum) << patch << " " << x << " " << y;
       }
   }
 }

@@ -17,19 +17,26 @@ Image<std::int16_t> noise(int side) {
   return out;
 }
 
+std::vector<std::uint8_t> inside(int side) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(side * side), 0);
+  for (int y = 2; y < side - 2; ++y)
+    for (int x = 2; x < side - 2; ++x) out[static_cast<std::size_t>(y * side + x)] = 1;
+  return out;
+}
+
 TEST(SimilarPatches, FindACopyPlantedElsewhere) {
   Image<std::int16_t> features = noise(40);
   for (int y = 0; y < 5; ++y)
     for (int x = 0; x < 5; ++x)
       for (int c = 0; c < 8; ++c) features.at(30 + x, 22 + y, c) = features.at(4 + x, 9 + y, c);
-  const SimilarPatches similar(features.view(), 5, {});
+  const SimilarPatches similar(features.view(), 5, inside(40), {});
   EXPECT_EQ(similar.of(11 * 40 + 6)[0], 24 * 40 + 32);
   EXPECT_EQ(similar.of(24 * 40 + 32)[0], 11 * 40 + 6);
 }
 
 TEST(SimilarPatches, AreApartAndWithinTheSource) {
   const Image<std::int16_t> features = noise(24);
-  const SimilarPatches similar(features.view(), 5, {.count = 6});
+  const SimilarPatches similar(features.view(), 5, inside(24), {.count = 6});
   for (int y = 2; y < 22; ++y)
     for (int x = 2; x < 22; ++x)
       for (int k = 0; k < 6; ++k) {
@@ -41,8 +48,20 @@ TEST(SimilarPatches, AreApartAndWithinTheSource) {
       }
 }
 
+TEST(SimilarPatches, AreUsable) {
+  const Image<std::int16_t> features = noise(24);
+  std::vector<std::uint8_t> usable = inside(24);
+  for (std::size_t i = 0; i < usable.size(); i += 3) usable[i] = 0;
+  const SimilarPatches similar(features.view(), 5, usable, {});
+  for (std::size_t i = 0; i < usable.size(); ++i)
+    for (int k = 0; k < 4; ++k) {
+      const std::int32_t other = similar.of(static_cast<std::int32_t>(i))[k];
+      ASSERT_TRUE(other < 0 || (usable[i] != 0 && usable[static_cast<std::size_t>(other)] != 0));
+    }
+}
+
 TEST(SimilarPatches, AreNoneWhereTheSourceIsOnePatch) {
-  const SimilarPatches similar(noise(5).view(), 5, {});
+  const SimilarPatches similar(noise(5).view(), 5, inside(5), {});
   EXPECT_EQ(similar.of(2 * 5 + 2)[0], -1);
 }
 
