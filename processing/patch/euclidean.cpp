@@ -23,6 +23,64 @@ std::vector<double> choleskyOf(std::span<const double> gram, std::size_t n) {
   return l;
 }
 
+constexpr int kGuideComponents = 8;
+
+struct Components {
+  std::size_t rank = 0;
+  std::vector<float> scores;  // [texels of all images][rank]
+  double longest = 0, left_out = 0;
+};
+
+std::int64_t texelsOf(ImageView<const float> image) {
+  return static_cast<std::int64_t>(image.width) * image.height;
+}
+
+// Principal components of the texels of all images together, which have the same channels.
+Components leading(std::span<const ImageView<const float>> images, int components,
+                   Progress& progress) {
+  const std::int64_t n = images[0].channels;
+  std::int64_t m = 0;
+  for (const ImageView<const float>& image : images) m += texelsOf(image);
+  decomposition::SvdOptions options;
+  options.rank = static_cast<int>(std::min<std::int64_t>(components, std::min(m, n)));
+  options.centre = true;
+  const auto texel = [&](std::int64_t i) {
+    std::size_t image = 0;
+    while (i >= texelsOf(images[image])) i -= texelsOf(images[image++]);
+    const int width = images[image].width;
+    return &images[image].at(static_cast<int>(i % width), static_cast<int>(i / width));
+  };
+  const auto block = [&](std::int64_t first, std::int64_t count, std::span<float> to) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      const float* from = texel(first + i);
+      for (std::int64_t c = 0; c < n; ++c) to[static_cast<std::size_t>(c * count + i)] = from[c];
+    }
+  };
+  decomposition::TemporalSvd svd = decomposition::temporalSvd(m, n, block, options, progress);
+  Components out;
+  out.rank = static_cast<std::size_t>(svd.rank);
+  out.scores = std::move(svd.scores);
+  out.left_out = svd.relative_error * svd.relative_error;
+  for (std::size_t i = 0; i < out.scores.size(); i += out.rank) {
+    double length = 0;
+    for (std::size_t k = 0; k < out.rank; ++k)
+      length += static_cast<double>(out.scores[i + k]) * out.scores[i + k];
+    out.longest = std::max(out.longest, std::sqrt(length));
+  }
+  return out;
+}
+
+// The scores from texel `first` on, scaled, into components `at` on.
+void place(const Components& components, std::int64_t first, double scale, int at,
+           Image<std::int16_t>& to) {
+  const float* score = &components.scores[static_cast<std::size_t>(first) * components.rank];
+  for (int y = 0; y < to.height(); ++y)
+    for (int x = 0; x < to.width(); ++x)
+      for (std::size_t k = 0; k < components.rank; ++k)
+        (&to.at(x, y, at))[k] =
+            static_cast<std::int16_t>(std::lrint(scale * static_cast<double>(*score++)));
+}
+
 }  // namespace
 
 Image<float> euclidean(ImageView<const float> coefficients, std::span<const double> gram,
@@ -58,43 +116,26 @@ Image<float> euclidean(ImageView<const float> coefficients, std::span<const doub
   return out;
 }
 
-CompactFeatures compactFeatures(ImageView<const float> features, int components, int patch,
-                                Progress& progress) {
+CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,
+                                int components, int patch, Progress& progress) {
   PATINA_CHECK((components == 8 || components == 16) && patch >= 1 && !features.empty());
-  const std::int64_t n = features.channels,
-                     m = static_cast<std::int64_t>(features.width) * features.height;
-  decomposition::SvdOptions options;
-  options.rank = static_cast<int>(std::min<std::int64_t>(components, std::min(m, n)));
-  options.centre = true;
-  const auto block = [&](std::int64_t first, std::int64_t count, std::span<float> to) {
-    for (std::int64_t i = 0; i < count; ++i) {
-      const auto texel = features.texel(static_cast<int>((first + i) % features.width),
-                                        static_cast<int>((first + i) / features.width));
-      for (std::int64_t c = 0; c < n; ++c)
-        to[static_cast<std::size_t>(c) * static_cast<std::size_t>(count) +
-           static_cast<std::size_t>(i)] = texel[static_cast<std::size_t>(c)];
-    }
-  };
-  const decomposition::TemporalSvd svd = decomposition::temporalSvd(m, n, block, options, progress);
-  const auto rank = static_cast<std::size_t>(svd.rank);
-  double longest = 0;
-  for (std::int64_t i = 0; i < m; ++i) {
-    double length = 0;
-    for (std::size_t k = 0; k < rank; ++k) {
-      const double v = svd.scores[static_cast<std::size_t>(i) * rank + k];
-      length += v * v;
-    }
-    longest = std::max(longest, length);
-  }
+  const bool guided = !guides.source.empty();
+  PATINA_CHECK(!guided || (guides.source.size() == features.size() && !guides.target.empty() &&
+                           guides.source.channels == guides.target.channels));
+  const ImageView<const float> own[] = {features}, both[] = {guides.source, guides.target};
+  const Components style = leading(own, components, progress);
+  const Components guide = guided ? leading(both, kGuideComponents, progress) : Components{};
+  const double longest = std::sqrt(style.longest * style.longest + guide.longest * guide.longest);
   CompactFeatures out;
-  out.left_out = svd.relative_error * svd.relative_error;
-  out.scale = longest > 0 ? 32767.0 / (2 * patch) / std::sqrt(longest) : 1;
-  out.texels = Image<std::int16_t>(features.width, features.height, components);
-  for (std::int64_t i = 0; i < m; ++i)
-    for (std::size_t k = 0; k < rank; ++k)
-      out.texels.texels()[static_cast<std::size_t>(i) * static_cast<std::size_t>(components) + k] =
-          static_cast<std::int16_t>(std::lrint(
-              out.scale * static_cast<double>(svd.scores[static_cast<std::size_t>(i) * rank + k])));
+  out.left_out = std::max(style.left_out, guide.left_out);
+  out.scale = longest > 0 ? 32767.0 / (2 * patch) / longest : 1;
+  out.texels = Image<std::int16_t>(features.width, features.height,
+                                   components + (guided ? kGuideComponents : 0));
+  place(style, 0, out.scale, 0, out.texels);
+  if (!guided) return out;
+  place(guide, 0, out.scale, components, out.texels);
+  out.guide = Image<std::int16_t>(guides.target.width, guides.target.height, kGuideComponents);
+  place(guide, texelsOf(features), out.scale, 0, out.guide);
   return out;
 }
 

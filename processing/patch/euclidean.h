@@ -24,13 +24,20 @@ Image<float> euclidean(ImageView<const float> coefficients, std::span<const doub
 // Integers whose squared differences are scale^2 times the distance on the leading principal
 // components: a lower bound of it, short by `left_out` of the variance.
 struct CompactFeatures {
-  Image<std::int16_t> texels;  // [h][w][components]
+  Image<std::int16_t> texels;  // [h][w][components], the guides' behind
+  Image<std::int16_t> guide;   // [h][w][8] of the target, or empty
   double scale = 1;
-  double left_out = 0;  // share of the variance, in [0,1]
+  double left_out = 0;  // share of the variance, in [0,1]; the guides' where that is more
 };
-// `components`: 8 or 16. Longest texel 32767 / (2 * patch): 25 squared differences stay in 31 bits
-// at patch 5. Throws ProcessingError(kBadData) for a value that is no number.
-CompactFeatures compactFeatures(ImageView<const float> features, int components, int patch,
-                                Progress& progress);
+// What the source and a target are besides alike in their features: channels 1 to 24, already
+// weighted. Both empty: none.
+struct GuidePair {
+  ImageView<const float> source = {}, target = {};
+};
+// `components`: 8 or 16, of the features; guides take 8 more. Longest texel 32767 / (2 * patch): 25
+// squared differences stay in 31 bits at patch 5. Throws ProcessingError(kBadData) for a value that
+// is no number.
+CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,
+                                int components, int patch, Progress& progress);
 
 }  // namespace patina::patch

@@ -123,9 +123,11 @@ void NearestField::start(std::vector<std::int32_t> centres) {
   std::vector<std::int32_t> places;
   for (std::size_t i = 0; i < usable_.size(); ++i)
     if (usable_[i] != 0) places.push_back(static_cast<std::int32_t>(i));
-  for (std::size_t i = 0; i < centres_.size(); ++i)
-    if (usable_[static_cast<std::size_t>(centres_[i])] == 0 && (kept_.empty() || kept_[i] == 0))
+  for (std::size_t i = 0; i < centres_.size(); ++i) {
+    if (fixed(i)) centres_[i] = kept_[i];
+    if (usable_[static_cast<std::size_t>(centres_[i])] == 0)
       centres_[i] = places[uniformBelow(hashSeed(options_.seed, i), places.size())];
+  }
   distances_.assign(centres_.size(), 0);
   Occupancy occupancy({source_.width, source_.height}, options_.patch);
   for (const std::int32_t centre : centres_) occupancy.add(centre);
@@ -240,7 +242,7 @@ void NearestField::sweep(int lane, const Tile& tile, int pass, bool forward) {
           (left >= 0 && left < width && wakefulness_.changedNow(indexOf(left, y))) ||
           (up >= 0 && up < target_size_.height && wakefulness_.changedNow(indexOf(x, up)));
       if (!moved && !wakefulness_.awake(at)) continue;
-      if (!kept_.empty() && kept_[at] != 0) continue;
+      if (fixed(at)) continue;
       judge(lane, x, y, pass, step);
     }
 }

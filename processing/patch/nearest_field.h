@@ -47,7 +47,8 @@ struct FieldOptions {
 // What limits a field. All spans are copied.
 struct FieldLimits {
   std::span<const std::uint8_t> usable = {};  // [h][w] of the source: no patch covers a 0
-  std::span<const std::uint8_t> kept = {};    // [h][w] of the target: these patches stay
+  std::span<const std::int32_t> kept = {};    // [h][w] of the target: the source texel that is
+                                              // shown there whatever the patches say; -1: none
   ImageView<const std::int16_t> guide = {};   // [h][w][n] of the target; n a multiple of 8. The
                                               // source's last n components are its guides
 };
@@ -65,7 +66,7 @@ class NearestField {
                const FieldOptions& options, const FieldLimits& limits = {});
 
   // Centres [h][w] as y * source width + x, at least patch / 2 from the source's edge. Where one is
-  // not usable, a usable one takes its place.
+  // not usable, a usable one takes its place; what is kept is its own patch's centre, if usable.
   void start(std::vector<std::int32_t> centres);
   const std::vector<std::int32_t>& centres() const { return centres_; }
 
@@ -94,6 +95,9 @@ class NearestField {
   void judge(int lane, int x, int y, int pass, int step);
   void voteTexel(const Votes& votes, int x, int y);
   void padTarget();
+  bool fixed(std::size_t at) const {
+    return !kept_.empty() && kept_[at] >= 0 && usable_[static_cast<std::size_t>(kept_[at])] != 0;
+  }
   std::int32_t neighbour(int x, int y) const;  // index in the target; -1: beyond its edge
   Votes votes() const;
   std::size_t indexOf(int x, int y) const {
@@ -112,7 +116,8 @@ class NearestField {
                                 // components that are voted, the guide's behind them
   float penalty_scale_;
   PatchDistance distance_;
-  std::vector<std::uint8_t> usable_, kept_;
+  std::vector<std::uint8_t> usable_;
+  std::vector<std::int32_t> kept_;
   std::vector<SimilarPatches> similar_;  // one, or none for PatchMatch
   Image<std::int16_t> target_;           // with a margin of `reach_`: its edge, or its other side
   std::vector<std::int32_t> centres_, distances_;

@@ -14,8 +14,8 @@ struct Votes {
   SizePx target;
   int source_width = 0, reach = 2;
   bool wraps = false;
-  // [h][w] of the target, or empty: not 0 where a texel shows its own patch's centre and no other.
-  std::span<const std::uint8_t> kept = {};
+  // [h][w] of the target, or empty: the one source texel that is shown, -1 where patches vote.
+  std::span<const std::int32_t> kept = {};
 
   std::size_t indexOf(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(target.width) +
@@ -27,8 +27,8 @@ struct Votes {
 // how many there are.
 template <class Visit>
 int forEachVote(const Votes& v, int x, int y, const Visit& visit) {
-  if (!v.kept.empty() && v.kept[v.indexOf(x, y)] != 0) {
-    visit(v.centres[v.indexOf(x, y)], 0, 0);
+  if (!v.kept.empty() && v.kept[v.indexOf(x, y)] >= 0) {
+    visit(v.kept[v.indexOf(x, y)], 0, 0);
     return 1;
   }
   const int reach = v.reach, width = v.target.width, height = v.target.height;

@@ -76,7 +76,8 @@ std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
          result * (kFloat * channels * terms + kField);
 }
 
-Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options, Progress& progress) {
+Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
+                 const Constraints& constraints, Progress& progress) {
   options.check();
   options.optimize.check(set.size());
   Enlarged out;
@@ -87,7 +88,7 @@ Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options, Pr
       throw ProcessingError(Exit::kUsage, "the set has none of the maps that have a weight");
     const Image<float> features =
         patch::euclidean(coefficients.view(), stbrdf::gramMatrix(set.basis, set.degree), weights);
-    out.field = optimize(features.view(), options.optimize, progress);
+    out.field = optimize(features.view(), options.optimize, constraints, progress);
   }
   out.set = {.degree = set.degree,
              .basis = set.basis,
@@ -98,7 +99,7 @@ Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options, Pr
   for (const stbrdf::TimeMap& map : set.maps) {
     stbrdf::TimeMap larger{.name = map.name, .coefficients = {}, .low = map.low, .high = map.high};
     for (const Image<float>& c : map.coefficients)
-      larger.coefficients.push_back(voted(c.view(), out.field, options.optimize.field.patch));
+      larger.coefficients.push_back(shown(c.view(), out.field));
     out.set.maps.push_back(std::move(larger));
   }
   return out;

@@ -23,7 +23,8 @@ struct Enlarged {
 
 // Every map of the set, `options.optimize.size` texels large. Memory: the features (4 bytes a
 // compared coefficient and source texel), the field and the result.
-Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options, Progress& progress);
+Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
+                 const Constraints& constraints, Progress& progress);
 
 // Bytes that enlarge() will hold at once, for a forecast.
 std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size);

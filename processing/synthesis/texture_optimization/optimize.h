@@ -2,7 +2,8 @@
 // Texture optimisation (Kwatra et al. 2005) from coarse to fine: search for each patch of the
 // result the patch of the sample that is most like it, then let all patches over a texel vote for
 // it. Where we depart from Meister et al. 2021: levels are averages, not point samples; distances
-// are integers on a few principal components; uses are counted exactly (patch/nearest_field.h).
+// are integers on a few principal components; uses are counted exactly (patch/nearest_field.h) and
+// weigh more on coarse levels; the last vote keeps its contrast (sharp_vote.h).
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,10 @@
 
 #include "processing/image/image.h"
 #include "processing/image/progress.h"
+#include "processing/patch/euclidean.h"
 #include "processing/patch/nearest_field.h"
+#include "processing/synthesis/texture_optimization/constraints.h"
+#include "processing/synthesis/texture_optimization/sharp_vote.h"
 
 namespace patina::texture_optimization {
 
@@ -25,22 +29,27 @@ struct OptimizeOptions {
 };
 
 struct OptimizedField {
-  SizePx size;
-  std::vector<std::int32_t> centres;  // [h][w], y * source width + x
-  patch::FieldEnergy energy;          // on the compared components
-  double left_out = 0;                // share of the features' variance that they leave out
-  int levels = 0;
+  SizePx size, source;
+  int patch = 5;
   bool wraps = false;
-  std::vector<std::uint8_t> kept;  // [h][w], or empty: texels that show their own centre alone
+  std::vector<std::int32_t> centres;  // [h][w], y * source width + x
+  std::vector<std::int32_t> kept;     // as in the constraints
+  VoteGain gain;
+  patch::FieldEnergy energy;  // on the compared components
+  double left_out = 0;        // share of the features' variance that they leave out
+  int levels = 0;
+
+  patch::Votes votes() const { return {centres, size, source.width, patch / 2, wraps, kept}; }
 };
 
 // `features` [h][w][n]: plain squared differences are the distance meant. Same result for any
-// number of threads and on every SIMD path. Memory: 9 source-sized and 4 result-sized integer
-// images.
+// number of threads and on every SIMD path. Memory: some 9 source-sized and 5 result-sized images
+// of the compared components. Throws ProcessingError: kUsage for options, a mask that leaves no
+// patch, guides of other sizes; kBadData for values that are no numbers.
 OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& options,
-                        Progress& progress);
+                        const Constraints& constraints, Progress& progress);
 
-// What the patches over each texel show of `source` [h][w][c], averaged.
-Image<float> voted(ImageView<const float> source, const OptimizedField& field, int patch);
+// What the field shows of `source` [h][w][c], its contrast kept.
+Image<float> shown(ImageView<const float> source, const OptimizedField& field);
 
 }  // namespace patina::texture_optimization

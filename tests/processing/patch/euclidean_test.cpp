@@ -72,7 +72,7 @@ TEST(CompactFeatures, AreALowerBoundOfTheDistance) {
       for (int c = 0; c < 12; ++c)
         features.at(x, y, c) = static_cast<float>(gaussian(hashSeed(x, y, c)) / (1 + c * c));
   Progress progress;
-  const CompactFeatures compact = compactFeatures(features.view(), 8, 5, progress);
+  const CompactFeatures compact = compactFeatures(features.view(), {}, 8, 5, progress);
   EXPECT_GT(compact.left_out, 0);
   EXPECT_LT(compact.left_out, 1e-3);
   for (int i = 0; i < 200; ++i) {
@@ -91,9 +91,31 @@ TEST(CompactFeatures, TakeFewerChannelsThanComponents) {
   Image<float> features(6, 6, 3);
   features.at(2, 3, 1) = 1;
   Progress progress;
-  const CompactFeatures compact = compactFeatures(features.view(), 8, 3, progress);
+  const CompactFeatures compact = compactFeatures(features.view(), {}, 8, 3, progress);
   EXPECT_EQ(compact.texels.channels(), 8);
   EXPECT_EQ(compact.texels.at(2, 3, 5), 0);
+}
+
+TEST(CompactFeatures, MeasureGuidesOnOneScaleWithTheRest) {
+  Image<float> features(20, 20, 3), from(20, 20, 2), to(30, 25, 2);
+  const auto fill = [](Image<float>& image, std::uint64_t seed) {
+    for (std::size_t i = 0; i < image.texels().size(); ++i)
+      image.texels()[i] = static_cast<float>(gaussian(hashSeed(seed, i)));
+  };
+  fill(features, 1);
+  fill(from, 2);
+  fill(to, 3);
+  Progress progress;
+  const CompactFeatures compact =
+      compactFeatures(features.view(), {from.view(), to.view()}, 8, 5, progress);
+  ASSERT_EQ(compact.texels.channels(), 16);
+  ASSERT_EQ(compact.guide.size(), to.size());
+  EXPECT_NEAR(compact.left_out, 0, 1e-6);
+  double exact = 0, ours = 0;
+  for (int c = 0; c < 2; ++c) exact += std::pow(from.at(4, 7, c) - to.at(22, 11, c), 2);
+  for (int c = 0; c < 8; ++c)
+    ours += std::pow(compact.texels.at(4, 7, 8 + c) - compact.guide.at(22, 11, c), 2);
+  EXPECT_NEAR(ours / compact.scale / compact.scale, exact, 0.01 * exact);
 }
 
 }  // namespace

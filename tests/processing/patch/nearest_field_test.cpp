@@ -106,13 +106,13 @@ TEST(NearestField, ShowsNoPatchThatCoversAMaskedTexel) {
   EXPECT_THROW(optimised({.similar = {}}, 1, {.usable = usable}), ProcessingError);
 }
 
-TEST(NearestField, LeavesKeptPatchesWhereTheyStart) {
-  std::vector<std::uint8_t> kept(kTarget * kTarget, 0);
-  for (std::size_t i = 0; i < kept.size(); i += 7) kept[i] = 1;
-  const std::vector<std::int32_t> start = anywhere(7),
-                                  end = optimised({.similar = {}}, 2, {.kept = kept}).centres;
-  for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_TRUE(kept[i] == 0 || end[i] == start[i]);
-  EXPECT_NE(end, start);
+TEST(NearestField, LeavesKeptPatchesWhereTheyAre) {
+  std::vector<std::int32_t> kept(kTarget * kTarget, -1);
+  const std::vector<std::int32_t> places = anywhere(3);
+  for (std::size_t i = 0; i < kept.size(); i += 7) kept[i] = places[i];
+  kept[5] = 0;  // the source's corner is no patch's centre: another patch may lie there
+  const std::vector<std::int32_t> end = optimised({.similar = {}}, 2, {.kept = kept}).centres;
+  for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_TRUE(kept[i] <= 0 || end[i] == kept[i]);
 }
 
 // What is left of a join: the mean difference across it over that inside, in the first component.

@@ -41,14 +41,14 @@ TEST(Votes, ComeFromTheOtherSideWhenTheTargetWraps) {
   EXPECT_EQ(shown[0], 10 * kSource + 11);
 }
 
-TEST(Votes, AreTheOwnCentreAloneWhereATexelIsKept) {
+TEST(Votes, AreTheKeptTexelAloneWhereThereIsOne) {
   const std::vector<std::int32_t> centres = moved({8, 6});
-  std::vector<std::uint8_t> kept(48, 0);
-  kept[3 * 8 + 4] = 1;
+  std::vector<std::int32_t> kept(48, -1);
+  kept[3 * 8 + 4] = 5;
   const Votes votes{centres, {8, 6}, kSource, 2, false, kept};
   EXPECT_EQ(forEachVote(votes, 4, 3,
                         [&](std::int32_t texel, int dx, int dy) {
-                          EXPECT_EQ(texel, 7 * kSource + 7);
+                          EXPECT_EQ(texel, 5);
                           EXPECT_EQ(dx, 0);
                           EXPECT_EQ(dy, 0);
                         }),

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
+
 #include "tests/processing/synthesis/texture_optimization/samples.h"
 
 namespace patina::texture_optimization {
@@ -21,7 +23,7 @@ OptimizeOptions shortly(SizePx size) {
 TEST(Optimize, ShowsPatchesOfTheSourceThatFitTogether) {
   Progress progress;
   const Image<float> sample = features();
-  const OptimizedField field = optimize(sample.view(), shortly({100, 80}), progress);
+  const OptimizedField field = optimize(sample.view(), shortly({100, 80}), {}, progress);
   EXPECT_EQ(field.levels, 3);
   ASSERT_EQ(field.centres.size(), 8000u);
   for (const std::int32_t centre : field.centres) {
@@ -39,35 +41,75 @@ TEST(Optimize, IsTheSameForAnyNumberOfThreadsAndAnotherForAnotherSeed) {
   std::vector<std::vector<std::int32_t>> centres;
   for (const int threads : {1, 2, 8}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    centres.push_back(optimize(sample.view(), shortly({90, 70}), progress).centres);
+    centres.push_back(optimize(sample.view(), shortly({90, 70}), {}, progress).centres);
   }
   EXPECT_EQ(centres[0], centres[1]);
   EXPECT_EQ(centres[0], centres[2]);
   OptimizeOptions other = shortly({90, 70});
   other.field.seed = 2;
-  EXPECT_NE(optimize(sample.view(), other, progress).centres, centres[0]);
+  EXPECT_NE(optimize(sample.view(), other, {}, progress).centres, centres[0]);
 }
 
-TEST(Voted, AveragesWhatThePatchesOverATexelShow) {
-  Image<float> source(9, 9, 1);
-  for (int y = 0; y < 9; ++y)
-    for (int x = 0; x < 9; ++x) source.at(x, y) = static_cast<float>(x + 10 * y);
-  OptimizedField field;
-  field.size = {5, 5};
-  for (int y = 0; y < 5; ++y)
-    for (int x = 0; x < 5; ++x) field.centres.push_back((y + 2) * 9 + x + 2);
-  const Image<float> whole = voted(source.view(), field, 5);
-  EXPECT_FLOAT_EQ(whole.at(0, 0), 22);
-  EXPECT_FLOAT_EQ(whole.at(4, 2), 46);
-  field.centres[12] = 2 * 9 + 2;  // the middle patch shows what lies 2 up and 2 left
-  EXPECT_FLOAT_EQ(voted(source.view(), field, 5).at(2, 2), 44 - 22.0f / 25);
+TEST(Optimize, ShowsNothingOfAMaskedTexelAndKeepsWhatIsKept) {
+  Progress progress;
+  const Image<float> sample = features();
+  Constraints constraints;
+  constraints.usable.assign(48 * 48, 1);
+  for (int y = 5; y < 16; ++y)
+    for (int x = 20; x < 40; ++x) constraints.usable[static_cast<std::size_t>(y * 48 + x)] = 0;
+  constraints.kept.assign(100 * 80, -1);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x)
+      constraints.kept[static_cast<std::size_t>((y + 20) * 100 + x + 30)] = (y + 17) * 48 + x;
+  const OptimizedField field = optimize(sample.view(), shortly({100, 80}), constraints, progress);
+  // Each texel tells where it is from.
+  Image<float> place(48, 48, 1);
+  for (std::size_t i = 0; i < place.texels().size(); ++i)
+    place.texels()[i] = constraints.usable[i] != 0 ? 1.0f : 1000.0f;
+  const Image<float> out = shown(place.view(), field);
+  for (const float v : out.texels()) ASSERT_EQ(v, 1.0f);
+  const Image<float> kept = shown(sample.view(), field);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_EQ(kept.at(x + 30, y + 20, c), sample.at(x, y + 17, c)) << x << " " << y;
+}
+
+TEST(Optimize, FollowsAGuideTheMoreThatWeighs) {
+  Progress progress;
+  const Image<float> sample = features();
+  const auto correlation = [&](float weight) {
+    Constraints constraints;
+    constraints.sample_guide = Image<float>(48, 48, 1);
+    constraints.result_guide = Image<float>(96, 96, 1);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 48; ++x) constraints.sample_guide.at(x, y) = weight * sample.at(x, y, 0);
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x)
+        constraints.result_guide.at(x, y) =
+            weight * (std::hypot(x - 48, y - 48) < 30 ? 0.9f : 0.1f);
+    OptimizeOptions options = shortly({96, 96});
+    options.field.uniformity = 0.01;
+    const OptimizedField field = optimize(sample.view(), options, constraints, progress);
+    double sum = 0, sum_a = 0, sum_b = 0, aa = 0, bb = 0;
+    for (std::size_t i = 0; i < field.centres.size(); ++i) {
+      const double a = sample.texels()[3 * static_cast<std::size_t>(field.centres[i])],
+                   b = constraints.result_guide.texels()[i] / weight;
+      sum += a * b, sum_a += a, sum_b += b, aa += a * a, bb += b * b;
+    }
+    const auto n = static_cast<double>(field.centres.size());
+    return (sum / n - sum_a / n * sum_b / n) /
+           std::sqrt((aa / n - sum_a / n * sum_a / n) * (bb / n - sum_b / n * sum_b / n));
+  };
+  EXPECT_GT(correlation(5), 0.8);
+  EXPECT_LT(correlation(0.01f), 0.5);
 }
 
 TEST(Optimize, RefusesWhatCannotBe) {
   Progress progress;
   const auto exitOf = [&](const Image<float>& sample, const OptimizeOptions& options) {
     try {
-      optimize(sample.view(), options, progress);
+      optimize(sample.view(), options, {}, progress);
     } catch (const ProcessingError& e) {
       return e.exit();
     }
@@ -82,6 +124,30 @@ TEST(Optimize, RefusesWhatCannotBe) {
   broken.at(3, 3) = NAN;
   EXPECT_EQ(exitOf(broken, shortly({50, 50})), Exit::kBadData);
   EXPECT_EQ(exitOf(Image<float>(20, 20, 2, 0.5f), shortly({50, 50})), Exit::kOk);
+  OptimizeOptions small = shortly({50, 50});
+  small.coarsest_px = 5;
+  EXPECT_EQ(exitOf(features(), small), Exit::kUsage);
+}
+
+TEST(Optimize, RefusesConstraintsOfOtherSizes) {
+  Progress progress;
+  const auto refused = [&](const Constraints& constraints) {
+    EXPECT_THROW(optimize(features().view(), shortly({50, 50}), constraints, progress),
+                 ProcessingError);
+  };
+  Constraints mask, whole_mask, kept, guide, channels;
+  mask.usable.assign(7, 1);
+  refused(mask);
+  whole_mask.usable.assign(48 * 48, 0);
+  refused(whole_mask);
+  kept.kept.assign(7, -1);
+  refused(kept);
+  guide.sample_guide = Image<float>(48, 47, 1);
+  guide.result_guide = Image<float>(50, 50, 1);
+  refused(guide);
+  channels.sample_guide = Image<float>(48, 48, 25);
+  channels.result_guide = Image<float>(50, 50, 25);
+  refused(channels);
 }
 
 }  // namespace
