@@ -71,9 +71,11 @@ std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
   for (const stbrdf::TimeMap& map : set.maps) channels += map.coefficients[0].channels();
   const std::int64_t source = std::int64_t{set.size().width} * set.size().height,
                      result = std::int64_t{size.width} * size.height, terms = set.degree + 1;
-  constexpr std::int64_t kFloat = 4, kLanes = 8, kField = 2 * 16 + 3 * 4;
-  return source * (3 * kFloat * channels * terms + kLanes * kFloat + 64) +
-         result * (kFloat * channels * terms + kField);
+  // Of a source texel: the set, its features, and the search's index and counts. Of a result texel:
+  // the set, one map's mean beside it, and the field with what the last vote needs.
+  constexpr std::int64_t kFloat = 4, kSearch = 200, kField = 80, kMap = 24;
+  return source * (2 * kFloat * channels * terms + kSearch) +
+         result * (kFloat * channels * terms + kMap + kField);
 }
 
 Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
