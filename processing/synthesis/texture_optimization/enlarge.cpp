@@ -55,6 +55,39 @@ Image<float> compared(const stbrdf::StbrdfSet& set, const EnlargeOptions& option
   return out;
 }
 
+// Every coefficient of every map, voted together: what the votes are is asked once.
+void showAll(const stbrdf::StbrdfSet& from, const OptimizedField& field, stbrdf::StbrdfSet& to) {
+  std::vector<const Image<float>*> parts;
+  std::vector<Image<float>*> into;
+  int channels = 0;
+  for (const stbrdf::TimeMap& map : from.maps) {
+    to.maps.push_back({.name = map.name, .coefficients = {}, .low = map.low, .high = map.high});
+    for (const Image<float>& c : map.coefficients) {
+      to.maps.back().coefficients.emplace_back(field.size.width, field.size.height, c.channels());
+      parts.push_back(&c);
+      channels += c.channels();
+    }
+  }
+  for (stbrdf::TimeMap& map : to.maps)
+    for (Image<float>& c : map.coefficients) into.push_back(&c);
+  Image<float> packed(field.source.width, field.source.height, channels);
+  forEachRow(packed.height(), std::int64_t{packed.width()} * channels, [&](int y) {
+    for (int x = 0; x < packed.width(); ++x) {
+      float* at = &packed.at(x, y);
+      for (const Image<float>* part : parts)
+        at = std::copy_n(&part->at(x, y), part->channels(), at);
+    }
+  });
+  sharpVote(packed.view(), field.votes(), field.gain, [&](int y, std::span<const float> row) {
+    const float* at = row.data();
+    for (int x = 0; x < field.size.width; ++x)
+      for (Image<float>* image : into) {
+        std::copy_n(at, image->channels(), &image->at(x, y));
+        at += image->channels();
+      }
+  });
+}
+
 }  // namespace
 
 void EnlargeOptions::check() const {
@@ -71,11 +104,11 @@ std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
   for (const stbrdf::TimeMap& map : set.maps) channels += map.coefficients[0].channels();
   const std::int64_t source = std::int64_t{set.size().width} * set.size().height,
                      result = std::int64_t{size.width} * size.height, terms = set.degree + 1;
-  // Of a source texel: the set, its features, and the search's index and counts. Of a result texel:
-  // the set, one map's mean beside it, and the field with what the last vote needs.
-  constexpr std::int64_t kFloat = 4, kSearch = 200, kField = 80, kMap = 24;
-  return source * (2 * kFloat * channels * terms + kSearch) +
-         result * (kFloat * channels * terms + kMap + kField);
+  // Of a source texel: the set, twice beside it for features and votes, and the search's index and
+  // counts. Of a result texel: the set, and the field with what the search needs.
+  constexpr std::int64_t kFloat = 4, kSearch = 200, kField = 60;
+  return source * (3 * kFloat * channels * terms + kSearch) +
+         result * (kFloat * channels * terms + kField);
 }
 
 Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
@@ -98,12 +131,7 @@ Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
              .roughness = set.roughness,
              .maps = {},
              .facts = set.facts};
-  for (const stbrdf::TimeMap& map : set.maps) {
-    stbrdf::TimeMap larger{.name = map.name, .coefficients = {}, .low = map.low, .high = map.high};
-    for (const Image<float>& c : map.coefficients)
-      larger.coefficients.push_back(shown(c.view(), out.field));
-    out.set.maps.push_back(std::move(larger));
-  }
+  showAll(set, out.field, out.set);
   return out;
 }
 

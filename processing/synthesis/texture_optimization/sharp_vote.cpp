@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/synthesis/texture_optimization/sharp_vote.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,83 +14,140 @@ namespace {
 
 constexpr std::size_t kVotesMax = 49;  // of patches of 7
 constexpr int kAround = 2;             // surroundings: 5 x 5 texels
-constexpr std::int64_t kCostTexel = 100;
+constexpr int kBandRows = 24;
 
-struct Shown {
-  std::array<std::int32_t, kVotesMax> texels;
-  std::size_t count = 0;
-  bool agreed = true;
+int wrapped(int i, int length) { return (i % length + length) % length; }
+
+// Means of the votes over rows [first, last) of the target and kAround more on both sides.
+class Band {
+ public:
+  Band(ImageView<const float> source, const patch::Votes& votes, int first, int last)
+      : source_(source),
+        votes_(votes),
+        first_(first - kAround),
+        channels_(static_cast<std::size_t>(source.channels)),
+        means_(static_cast<std::size_t>(last - first + 2 * kAround) * rowLength()),
+        above_(rowLength()) {
+    for (int y = first_; y < last + kAround; ++y)
+      if (isThere(y))
+        for (int x = 0; x < votes.target.width; ++x) voteTexel(x, y);
+  }
+
+  std::span<const float> row(int y) const { return {mean(0, y), rowLength()}; }
+
+  // Prepares detail() for row y.
+  void turnTo(int y) {
+    std::fill(above_.begin(), above_.end(), 0.0f);
+    rows_ = 0;
+    for (int i = y - kAround; i <= y + kAround; ++i) {
+      if (!isThere(i)) continue;
+      const float* from = mean(0, i);
+      for (std::size_t k = 0; k < above_.size(); ++k) above_[k] += from[k];
+      ++rows_;
+    }
+  }
+  // The mean at (x, y) less the mean of its surroundings.
+  void detail(int x, int y, std::span<float> out) const {
+    std::fill(out.begin(), out.end(), 0.0f);
+    const int width = votes_.target.width;
+    int columns = 0;
+    for (int i = x - kAround; i <= x + kAround; ++i) {
+      if (!votes_.wraps && (i < 0 || i >= width)) continue;
+      const float* from = &above_[static_cast<std::size_t>(wrapped(i, width)) * channels_];
+      for (std::size_t c = 0; c < channels_; ++c) out[c] += from[c];
+      ++columns;
+    }
+    const float share = 1.0f / static_cast<float>(rows_ * columns);
+    const float* own = mean(x, y);
+    for (std::size_t c = 0; c < channels_; ++c) out[c] = own[c] - out[c] * share;
+  }
+  // Variance of the votes about their mean, summed over channels.
+  float spread(int x, int y) const {
+    const Shown shown = shownAt(x, wrapped(y, votes_.target.height));
+    if (shown.agreed) return 0;
+    const float* about = mean(x, y);
+    float squares = 0;
+    for (std::size_t i = 0; i < shown.count; ++i) {
+      const float* from = texel(shown.texels[i]);
+      for (std::size_t c = 0; c < channels_; ++c)
+        squares += (from[c] - about[c]) * (from[c] - about[c]);
+    }
+    return squares / static_cast<float>(shown.count);
+  }
+
+ private:
+  struct Shown {
+    std::array<std::int32_t, kVotesMax> texels;
+    std::size_t count = 0;
+    bool agreed = true;
+  };
+
+  std::size_t rowLength() const {
+    return static_cast<std::size_t>(votes_.target.width) * channels_;
+  }
+  bool isThere(int y) const { return votes_.wraps || (y >= 0 && y < votes_.target.height); }
+  std::size_t indexOf(int x, int y) const {
+    return static_cast<std::size_t>(y - first_) * rowLength() +
+           static_cast<std::size_t>(x) * channels_;
+  }
+  const float* mean(int x, int y) const { return &means_[indexOf(x, y)]; }
+  const float* texel(std::int32_t index) const {
+    return &source_.at(index % source_.width, index / source_.width);
+  }
+  Shown shownAt(int x, int y) const {
+    Shown shown;
+    patch::forEachVote(votes_, x, y, [&](std::int32_t texel, int, int) {
+      shown.texels[shown.count++] = texel;
+      shown.agreed &= texel == shown.texels[0];
+    });
+    return shown;
+  }
+  void voteTexel(int x, int y) {
+    const Shown shown = shownAt(x, wrapped(y, votes_.target.height));
+    float* to = &means_[indexOf(x, y)];
+    if (shown.agreed) {
+      std::copy_n(texel(shown.texels[0]), channels_, to);
+      return;
+    }
+    for (std::size_t i = 0; i < shown.count; ++i) {
+      const float* from = texel(shown.texels[i]);
+      for (std::size_t c = 0; c < channels_; ++c) to[c] += from[c];
+    }
+    const float share = 1.0f / static_cast<float>(shown.count);
+    for (std::size_t c = 0; c < channels_; ++c) to[c] *= share;
+  }
+
+  ImageView<const float> source_;
+  const patch::Votes& votes_;
+  int first_, rows_ = 0;
+  std::size_t channels_;
+  std::vector<float> means_, above_;
 };
 
-Shown shownAt(const patch::Votes& votes, int x, int y) {
-  Shown shown;
-  patch::forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
-    shown.texels[shown.count++] = texel;
-    shown.agreed &= texel == shown.texels[0];
+template <class Body>
+void forEachBand(int height, const Body& body) {
+  tbb::parallel_for(0, (height + kBandRows - 1) / kBandRows, [&](int band) {
+    body(band * kBandRows, std::min(height, (band + 1) * kBandRows));
   });
-  return shown;
 }
 
-// The texels around (x, y), its own among them: at the edge fewer, or those of the other side.
+Image<float> firstComponents(ImageView<const std::int16_t> source, int count) {
+  Image<float> out(source.width, source.height, count);
+  forEachRow(out.height(), std::int64_t{out.width()} * count, [&](int y) {
+    for (int x = 0; x < out.width(); ++x) std::copy_n(&source.at(x, y), count, &out.at(x, y));
+  });
+  return out;
+}
+
+// Sums over the surroundings of each texel, [h][w][c] with few channels.
 template <class Visit>
 void around(const patch::Votes& votes, int x, int y, const Visit& visit) {
   const int width = votes.target.width, height = votes.target.height;
-  for (int dy = -kAround; dy <= kAround; ++dy)
-    for (int dx = -kAround; dx <= kAround; ++dx) {
-      int tx = x + dx, ty = y + dy;
-      if (votes.wraps) {
-        tx = (tx % width + width) % width;
-        ty = (ty % height + height) % height;
-      } else if (tx < 0 || tx >= width || ty < 0 || ty >= height) {
-        continue;
-      }
-      visit(tx, ty);
+  for (int ty = y - kAround; ty <= y + kAround; ++ty)
+    for (int tx = x - kAround; tx <= x + kAround; ++tx) {
+      if (!votes.wraps && (tx < 0 || tx >= width || ty < 0 || ty >= height)) continue;
+      visit(wrapped(tx, width), wrapped(ty, height));
     }
-}
-
-// `mean` less the mean around it, and the surroundings themselves.
-void detailAt(const Image<float>& mean, const patch::Votes& votes, int x, int y,
-              std::span<float> detail) {
-  std::fill(detail.begin(), detail.end(), 0.0f);
-  int count = 0;
-  around(votes, x, y, [&](int tx, int ty) {
-    const float* from = &mean.at(tx, ty);
-    for (std::size_t c = 0; c < detail.size(); ++c) detail[c] += from[c];
-    ++count;
-  });
-  const float share = 1.0f / static_cast<float>(count);
-  const float* own = &mean.at(x, y);
-  for (std::size_t c = 0; c < detail.size(); ++c) detail[c] = own[c] - detail[c] * share;
-}
-
-// Means of the votes, and the variance of the votes about them, summed over components.
-Image<float> meansAndSpread(ImageView<const std::int16_t> source, int voted,
-                            const patch::Votes& votes, Image<float>& spread) {
-  Image<float> mean(votes.target.width, votes.target.height, voted);
-  forEachRow(mean.height(), kCostTexel * mean.width(), [&](int y) {
-    for (int x = 0; x < mean.width(); ++x) {
-      const Shown shown = shownAt(votes, x, y);
-      const std::size_t different = shown.agreed ? 1 : shown.count;
-      float* to = &mean.at(x, y);
-      float squares = 0, squared_mean = 0;
-      for (std::size_t i = 0; i < different; ++i) {
-        const std::int16_t* from =
-            &source.at(shown.texels[i] % source.width, shown.texels[i] / source.width);
-        for (int c = 0; c < voted; ++c) {
-          const auto v = static_cast<float>(from[c]);
-          to[c] += v;
-          squares += v * v;
-        }
-      }
-      const float share = 1.0f / static_cast<float>(different);
-      for (int c = 0; c < voted; ++c) {
-        to[c] *= share;
-        squared_mean += to[c] * to[c];
-      }
-      spread.at(x, y) = shown.agreed ? 0 : std::max(0.0f, squares * share - squared_mean);
-    }
-  });
-  return mean;
 }
 
 }  // namespace
@@ -96,22 +155,28 @@ Image<float> meansAndSpread(ImageView<const std::int16_t> source, int voted,
 VoteGain contrastLost(ImageView<const std::int16_t> source, int voted, const patch::Votes& votes) {
   const int width = votes.target.width, height = votes.target.height;
   VoteGain out{votes.target, std::vector<float>(votes.indexOf(0, height), 1.0f)};
-  Image<float> spread(width, height, 1), detail(width, height, 1);
-  const Image<float> mean = meansAndSpread(source, voted, votes, spread);
-  forEachRow(height, kCostTexel * width, [&](int y) {
+  Image<float> lost_left(width, height, 2);
+  const Image<float> components = firstComponents(source, voted);
+  forEachBand(height, [&](int first, int last) {
+    Band band(components.view(), votes, first, last);
     std::vector<float> own(static_cast<std::size_t>(voted));
-    for (int x = 0; x < width; ++x) {
-      detailAt(mean, votes, x, y, own);
-      for (const float v : own) detail.at(x, y) += v * v;
+    for (int y = first; y < last; ++y) {
+      band.turnTo(y);
+      for (int x = 0; x < width; ++x) {
+        lost_left.at(x, y, 0) = band.spread(x, y);
+        band.detail(x, y, own);
+        for (const float v : own) lost_left.at(x, y, 1) += v * v;
+      }
     }
   });
+  constexpr std::int64_t kCostTexel = 60;
   forEachRow(height, kCostTexel * width, [&](int y) {
     for (int x = 0; x < width; ++x) {
       float lost = 0, left = 0;
       bool kept = false;
       around(votes, x, y, [&](int tx, int ty) {
-        lost += spread.at(tx, ty);
-        left += detail.at(tx, ty);
+        lost += lost_left.at(tx, ty, 0);
+        left += lost_left.at(tx, ty, 1);
         kept |= !votes.kept.empty() && votes.kept[votes.indexOf(tx, ty)] >= 0;
       });
       if (lost > 0 && !kept)
@@ -122,40 +187,36 @@ VoteGain contrastLost(ImageView<const std::int16_t> source, int voted, const pat
   return out;
 }
 
-Image<float> sharpVote(ImageView<const float> source, const patch::Votes& votes,
-                       const VoteGain& gain) {
-  const int width = votes.target.width, height = votes.target.height, channels = source.channels;
-  Image<float> mean(width, height, channels);
-  forEachRow(height, kCostTexel * width, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const Shown shown = shownAt(votes, x, y);
-      const auto at = [&](std::size_t i) {
-        return &source.at(shown.texels[i] % source.width, shown.texels[i] / source.width);
-      };
-      float* to = &mean.at(x, y);
-      if (shown.agreed) {
-        std::copy_n(at(0), channels, to);
+void sharpVote(ImageView<const float> source, const patch::Votes& votes, const VoteGain& gain,
+               const TakeRow& take) {
+  const auto channels = static_cast<std::size_t>(source.channels);
+  forEachBand(votes.target.height, [&](int first, int last) {
+    Band band(source, votes, first, last);
+    std::vector<float> row, detail(channels);
+    for (int y = first; y < last; ++y) {
+      if (gain.gain.empty()) {
+        take(y, band.row(y));
         continue;
       }
-      for (std::size_t i = 0; i < shown.count; ++i) {
-        const float* from = at(i);
-        for (int c = 0; c < channels; ++c) to[c] += from[c];
+      row.assign(band.row(y).begin(), band.row(y).end());
+      band.turnTo(y);
+      for (int x = 0; x < votes.target.width; ++x) {
+        const float more = gain.gain[votes.indexOf(x, y)] - 1;
+        if (!(more > 0)) continue;
+        band.detail(x, y, detail);
+        float* to = &row[static_cast<std::size_t>(x) * channels];
+        for (std::size_t c = 0; c < channels; ++c) to[c] += more * detail[c];
       }
-      const float share = 1.0f / static_cast<float>(shown.count);
-      for (int c = 0; c < channels; ++c) to[c] *= share;
+      take(y, row);
     }
   });
-  if (gain.gain.empty()) return mean;
-  Image<float> out = mean;
-  forEachRow(height, kCostTexel * width, [&](int y) {
-    std::vector<float> detail(static_cast<std::size_t>(channels));
-    for (int x = 0; x < width; ++x) {
-      const float more = gain.gain[votes.indexOf(x, y)] - 1;
-      if (!(more > 0)) continue;
-      detailAt(mean, votes, x, y, detail);
-      float* to = &out.at(x, y);
-      for (int c = 0; c < channels; ++c) to[c] += more * detail[static_cast<std::size_t>(c)];
-    }
+}
+
+Image<float> sharpVote(ImageView<const float> source, const patch::Votes& votes,
+                       const VoteGain& gain) {
+  Image<float> out(votes.target.width, votes.target.height, source.channels);
+  sharpVote(source, votes, gain, [&](int y, std::span<const float> row) {
+    std::copy(row.begin(), row.end(), out.view().row(y));
   });
   return out;
 }

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "processing/image/image.h"
@@ -23,7 +25,13 @@ constexpr float kGainMost = 2.5f;
 // kept texels are near.
 VoteGain contrastLost(ImageView<const std::int16_t> source, int voted, const patch::Votes& votes);
 
-// [h][w][c] of the target, from `source` [h][w][c]. Texels that are kept come unchanged.
+// Takes row y of the target, [w][c]. Called from several threads, once a row, in any order.
+using TakeRow = std::function<void(int y, std::span<const float> row)>;
+
+// Rows of the target from `source` [h][w][c]. Texels that are kept come unchanged. Memory: a few
+// rows a thread.
+void sharpVote(ImageView<const float> source, const patch::Votes& votes, const VoteGain& gain,
+               const TakeRow& take);
 Image<float> sharpVote(ImageView<const float> source, const patch::Votes& votes,
                        const VoteGain& gain);
 
