@@ -78,6 +78,7 @@ void addStbrdfVerbs(Verb root) {
   addStbrdfEvaluateVerb(stbrdf);
   addStbrdfConvertVerb(stbrdf);
   addStbrdfEnlargeVerb(stbrdf);
+  addStbrdfTransferVerb(stbrdf);
 }
 
 }  // namespace patina::app

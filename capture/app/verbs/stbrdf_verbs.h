@@ -16,6 +16,7 @@ void addStbrdfReportVerb(Verb stbrdf);
 void addStbrdfEvaluateVerb(Verb stbrdf);
 void addStbrdfConvertVerb(Verb stbrdf);
 void addStbrdfEnlargeVerb(Verb stbrdf);
+void addStbrdfTransferVerb(Verb stbrdf);
 
 // A time of every texel's own from maps (grey_picture.h), brought to `size`; without a name: none.
 stbrdf::LocalTime localTime(double time, const std::string& rate, const std::string& start,

@@ -240,6 +240,7 @@ void addSynthVerbs(Verb root) {
       .option("--out", o->out, "FILE.h5", "Where to")
       .demand("--size")
       .demand("--out");
+  addSynthOptimizeVerb(synth);
   addSynthRankVerb(synth);
 }
 

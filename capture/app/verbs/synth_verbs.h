@@ -5,6 +5,7 @@
 
 namespace patina::app {
 
-void addSynthRankVerb(Verb synth);  // synth rank
+void addSynthOptimizeVerb(Verb synth);  // synth optimize
+void addSynthRankVerb(Verb synth);      // synth rank
 
 }  // namespace patina::app

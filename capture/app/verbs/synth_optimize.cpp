@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// patina synth optimize: a larger texture from a picture or a TTF, by texture optimisation.
+#include <algorithm>
+
+#include "capture/app/verbs/optimize_options.h"
+#include "capture/app/verbs/synth_verbs.h"
+#include "capture/workflow/products.h"
+#include "processing/image/encoding.h"
+#include "processing/image/picture_file.h"
+#include "processing/synthesis/texture_optimization/nnf_file.h"
+#include "processing/synthesis/texture_optimization/ttf_optimize.h"
+
+namespace patina::app {
+namespace {
+
+namespace fs = std::filesystem;
+namespace optimization = texture_optimization;
+
+struct Options {
+  std::string in, out, nnf;
+  OptimizeArguments arguments;
+};
+
+void checkSize(SizePx sample, SizePx size) {
+  if (size.width < sample.width || size.height < sample.height)
+    throw AppError(Exit::kUsage, "--size is smaller than the sample, " +
+                                     std::to_string(sample.width) + "x" +
+                                     std::to_string(sample.height));
+}
+
+std::string provenanceOf(const Options& options, const Context& context) {
+  workflow::Making making;
+  making.command = "patina synth optimize";
+  making.seed = context.seed();
+  making.version = PATINA_VERSION;
+  making.input_sha256s = {sha256OfFile(options.in).hex()};
+  const optimization::OptimizeOptions& optimize = options.arguments.optimize;
+  making.options.count("patch", optimize.field.patch);
+  making.options.number("uniformity", optimize.field.uniformity);
+  making.options.set("tile", optimize.field.wraps);
+  making.options.count("rounds", optimize.rounds);
+  making.options.count("passes", optimize.passes);
+  making.options.count("components", optimize.components);
+  making.options.text("search", options.arguments.search);
+  return making.facts().json();
+}
+
+// As the eye sees them: what lies between 0 and 1 in linear light is encoded as sRGB.
+optimization::OptimizedField optimizePicture(const Options& options, Context& context) {
+  const Picture sample = readPicture(options.in);
+  const SizePx size = options.arguments.optimize.size;
+  const bool linear = fs::path(options.out).extension() == ".exr";
+  checkSize(sample.linear.size(), size);
+  refuseBeyondMemory(
+      optimization::pictureBytes(sample.linear.size(), sample.linear.channels(), size));
+  Image<float> compared = sample.linear;
+  if (!linear)
+    std::transform(compared.texels().begin(), compared.texels().end(), compared.texels().begin(),
+                   srgbFromLinear);
+  optimization::LargerPicture larger = optimization::enlargePicture(
+      compared.view(), options.arguments.optimize,
+      constraintsOf(options.arguments, compared.size()), context.progress);
+  if (linear) {
+    writeExr(options.out, larger.picture.view());
+    return std::move(larger.field);
+  }
+  Image<std::uint8_t> encoded(size.width, size.height, larger.picture.channels());
+  std::transform(
+      larger.picture.texels().begin(), larger.picture.texels().end(), encoded.texels().begin(),
+      [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f); });
+  writePng(options.out, encoded.view());
+  return std::move(larger.field);
+}
+
+optimization::OptimizedField optimizeFile(const Options& options, Context& context) {
+  const ttf::TtfReader input(options.in);
+  const ttf::TtfInfo& info = input.info();
+  checkSize({info.width, info.height}, options.arguments.optimize.size);
+  refuseBeyondMemory(optimization::ttfBytes(info, options.arguments.optimize.size));
+  return optimization::optimizeTtf(input, options.arguments.optimize,
+                                   constraintsOf(options.arguments, {info.width, info.height}),
+                                   options.out, provenanceOf(options, context), context.progress);
+}
+
+void run(Context& context, Options& options) {
+  settle(options.arguments, context);
+  for (const std::string& out : {options.out, options.nnf})
+    if (!out.empty() && fs::exists(out))
+      throw AppError(Exit::kCannotCreate, out + " is there already");
+  const bool ttf = fs::path(options.in).extension() == ".h5";
+  const std::string extension = fs::path(options.out).extension();
+  if (ttf ? extension != ".h5" : extension != ".png" && extension != ".exr")
+    throw AppError(Exit::kUsage, "--out is '" + options.out + "'; " +
+                                     (ttf ? "of a texture it ends in .h5"
+                                          : "of a picture it ends in .png or .exr"));
+  const optimization::OptimizedField field =
+      ttf ? optimizeFile(options, context) : optimizePicture(options, context);
+  if (!options.nnf.empty()) optimization::writeNnf(options.nnf, field, field.source.width);
+  context.out.asList();
+  Item item;
+  item.set("path", options.out.c_str())
+      .set("width_px", field.size.width)
+      .set("height_px", field.size.height);
+  describe(field, options.arguments.optimize.field.uniformity, item);
+  item.set("seed", static_cast<std::int64_t>(context.seed()));
+  context.out.add(std::move(item));
+}
+
+}  // namespace
+
+void addSynthOptimizeVerb(Verb synth) {
+  auto o = std::make_shared<Options>();
+  Verb verb =
+      synth.verb("optimize", "Any size, every patch of which looks like one of the sample's",
+                 "patina synth optimize moss.png --size 1024x1024 --out more-moss.png",
+                 [o](Context& context) { run(context, *o); });
+  verb.required("IN", o->in, "A picture, or a texture's .h5 file")
+      .option("--size", o->arguments.optimize.size, parseSize, "WxH", "Of the result, in pixels")
+      .option("--out", o->out, "FILE", ".png or .exr of a picture, .h5 of a texture")
+      .option("--nnf", o->nnf, "FILE.npy", "Also write which patch each pixel's patch shows");
+  addOptimizeOptions(verb, o->arguments);
+  verb.demand("--size").demand("--out");
+}
+
+}  // namespace patina::app
