@@ -45,7 +45,7 @@ TEST(SynthOptimize, MakesALargerTextureWithItsHistory) {
             0);
   const JsonAnswer info = answerOf(runPatina({"ttf", "info", out, "--json"}));
   EXPECT_EQ(info.number("/items/0/frames"), 6);
-  EXPECT_EQ(info.number("/items/0/width"), 96);
+  EXPECT_EQ(info.number("/items/0/width_px"), 96);
 }
 
 TEST(SynthOptimize, RefusesWhatCannotBeAndLeavesNothing) {

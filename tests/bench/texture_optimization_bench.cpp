@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Texture optimisation by its own search and by PatchMatch, of reflectance sets and of pictures:
+// time, and the energy by its own count (weights 1,1,0; uniformity 0.075; patch 5). The sample is
+// a corner of the published set in $PATINA_TEST_DATA.
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include "processing/stbrdf/stbrdf_file.h"
+#include "processing/synthesis/texture_optimization/enlarge.h"
+#include "processing/synthesis/texture_optimization/ttf_optimize.h"
+
+namespace patina {
+namespace {
+
+namespace optimization = texture_optimization;
+
+constexpr int kSample = 256, kResult = 512;
+
+std::optional<stbrdf::StbrdfSet> sampleSet() {
+  const char* data = std::getenv("PATINA_TEST_DATA");
+  if (data == nullptr) return std::nullopt;
+  Progress progress;
+  stbrdf::StbrdfSet set =
+      stbrdf::readStbrdfSet(std::filesystem::path(data) / "snowyground_stbrdf", progress);
+  std::erase_if(set.maps, [](const stbrdf::TimeMap& map) {
+    return map.name != "Diffuse" && map.name != "Specular" && map.name != "Roughness";
+  });
+  for (stbrdf::TimeMap& map : set.maps)
+    for (Image<float>& c : map.coefficients)
+      c = copyOf<float>(std::as_const(c).view().crop({0, 0, kSample, kSample}));
+  return set;
+}
+
+// Degree 5, of the same polynomials and a little of every power: as many numbers as a set of that
+// degree has.
+void raiseTo5(stbrdf::StbrdfSet& set) {
+  for (stbrdf::TimeMap& map : set.maps)
+    for (const std::size_t from : {1u, 2u}) {
+      Image<float> more = map.coefficients[from];
+      for (float& v : more.texels()) v *= 0.05f;
+      map.coefficients.push_back(std::move(more));
+    }
+  set.degree = 5;
+}
+
+optimization::EnlargeOptions optionsFor(const benchmark::State& state) {
+  optimization::EnlargeOptions options;
+  options.optimize.size = {kResult, kResult};
+  options.optimize.field.search =
+      state.range(0) == 0 ? patch::SearchKind::kCoherent : patch::SearchKind::kPatchMatch;
+  if (state.range(0) == 1) options.optimize.passes = 4;
+  return options;
+}
+
+void count(benchmark::State& state, const optimization::OptimizedField& field) {
+  state.counters["energy"] = field.energy.patch + 0.075 * field.energy.occupancy;
+  state.counters["texels/s"] =
+      benchmark::Counter(kResult * kResult, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+// search (0: coherent, 1: PatchMatch), degree
+void BM_Enlarge(benchmark::State& state) {
+  std::optional<stbrdf::StbrdfSet> set = sampleSet();
+  if (!set) {
+    state.SkipWithError("needs PATINA_TEST_DATA");
+    return;
+  }
+  if (state.range(1) == 5) raiseTo5(*set);
+  optimization::OptimizedField field;
+  for (auto _ : state) {
+    Progress progress;
+    field = optimization::enlarge(*set, optionsFor(state), {}, progress).field;
+  }
+  count(state, field);
+}
+BENCHMARK(BM_Enlarge)
+    ->ArgsProduct({{0, 1}, {3, 5}})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+void BM_EnlargePicture(benchmark::State& state) {
+  const std::optional<stbrdf::StbrdfSet> set = sampleSet();
+  if (!set) {
+    state.SkipWithError("needs PATINA_TEST_DATA");
+    return;
+  }
+  const Image<float>& picture = set->find("Diffuse")->coefficients[0];
+  optimization::OptimizedField field;
+  for (auto _ : state) {
+    Progress progress;
+    field = optimization::enlargePicture(picture.view(), optionsFor(state).optimize, {}, progress)
+                .field;
+  }
+  count(state, field);
+}
+BENCHMARK(BM_EnlargePicture)
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace patina
