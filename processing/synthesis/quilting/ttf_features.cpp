@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <utility>
 
 #include "processing/image/encoding.h"
@@ -32,7 +33,24 @@ std::vector<float> frameWeights(std::span<const double> variance, int channels) 
   return weights;
 }
 
-// T, tile by tile as the texels lie in the file; a row of a block is a channel of a frame.
+// Samples of a row [texel][channel], as displayed, to a row a channel. Channels are counted while
+// compiling where they are few: a texel costs its loads and stores.
+template <int channels, class T>
+void spreadRow(const T* in, std::int64_t count, const float* display, float* out,
+               std::int64_t stride) {
+  for (std::int64_t i = 0; i < count; ++i, in += channels)
+    for (int c = 0; c < channels; ++c) out[c * stride + i] = display[in[c]];
+}
+template <class T>
+void spreadRow(const T* in, std::int64_t count, int channels, const float* display, float* out,
+               std::int64_t stride) {
+  if (channels == 3) return spreadRow<3>(in, count, display, out, stride);
+  for (int c = 0; c < channels; ++c)
+    for (std::int64_t i = 0; i < count; ++i) out[c * stride + i] = display[in[i * channels + c]];
+}
+
+// T, tile by tile as the texels lie in the file; a row of a block is a channel of a frame. While a
+// tile is worked on, a thread of its own reads the next.
 class Tiles {
  public:
   explicit Tiles(const QuiltingSource& source)
@@ -59,7 +77,10 @@ class Tiles {
   const std::vector<std::int32_t>& texels() const { return texels_; }
 
   void fill(std::int64_t first, std::int64_t count, std::span<float> block) {
-    if (first == 0) next_tile_ = tile_first_ = tile_count_ = 0;
+    if (first == 0) {
+      if (next_.valid()) next_.get();
+      next_tile_ = tile_first_ = tile_count_ = 0;
+    }
     for (std::int64_t done = 0; done < count;) {
       if (first + done == tile_first_ + tile_count_) loadTile();
       const std::int64_t offset = first + done - tile_first_;
@@ -70,21 +91,38 @@ class Tiles {
   }
 
  private:
+  struct Samples {
+    std::vector<std::uint16_t> linear;
+    std::vector<std::uint8_t> codes;  // in its place, where the source is coded
+  };
+
+  void read(const RectPx& tile, Samples& samples) const {
+    if (source_.isCoded())
+      source_.codedBlock(tile, samples.codes);
+    else
+      samples.linear = source_.block(tile);
+  }
+
   void loadTile() {
     const RectPx& tile = tiles_[next_tile_++];
-    if (source_.isCoded())
-      codes_ = source_.codedBlock(tile);
-    else
-      samples_ = source_.block(tile);
+    if (next_.valid()) {
+      next_.get();
+      std::swap(samples_, coming_);
+    } else {
+      read(tile, samples_);
+    }
     tile_first_ += tile_count_;
     tile_count_ = static_cast<std::int64_t>(tile.width) * tile.height;
+    if (next_tile_ < tiles_.size())
+      next_ = std::async(std::launch::async,
+                         [this, &next = tiles_[next_tile_]] { read(next, coming_); });
   }
 
   void spread(std::int64_t first, std::int64_t count, float* block, std::int64_t stride) const {
     if (source_.isCoded())
-      spread(codes_, first, count, block, stride);
+      spread(samples_.codes, first, count, block, stride);
     else
-      spread(samples_, first, count, block, stride);
+      spread(samples_.linear, first, count, block, stride);
   }
   // Samples [t][texel][c] to rows [t][c][texel].
   template <class T>
@@ -92,10 +130,8 @@ class Tiles {
               std::int64_t stride) const {
     const int channels = source_.info().channels;
     tbb::parallel_for(0, source_.info().frames, [&](int t) {
-      const T* in = samples.data() + (t * tile_count_ + first) * channels;
-      float* out = block + static_cast<std::int64_t>(t) * channels * stride;
-      for (int c = 0; c < channels; ++c, out += stride)
-        for (std::int64_t i = 0; i < count; ++i) out[i] = display_[in[i * channels + c]];
+      spreadRow(samples.data() + (t * tile_count_ + first) * channels, count, channels,
+                display_.data(), block + static_cast<std::int64_t>(t) * channels * stride, stride);
     });
   }
 
@@ -103,10 +139,10 @@ class Tiles {
   std::vector<float> display_;
   std::vector<RectPx> tiles_;
   std::vector<std::int32_t> texels_;
-  std::vector<std::uint16_t> samples_;
-  std::vector<std::uint8_t> codes_;  // in place of samples_
+  Samples samples_, coming_;
   std::size_t next_tile_ = 0;
   std::int64_t tile_first_ = 0, tile_count_ = 0;
+  std::future<void> next_;  // fills coming_; last, so that it ends before what it fills
 };
 
 // Texel i of the scores is texel `texels[i]` of the image; components go from channel `at` on.
@@ -200,11 +236,10 @@ std::vector<std::uint16_t> QuiltingSource::block(RectPx region) const {
   return samples;
 }
 
-std::vector<std::uint8_t> QuiltingSource::codedBlock(RectPx region) const {
-  std::vector<std::uint8_t> codes(static_cast<std::size_t>(info().frames) * region.width *
-                                  region.height * info().channels);
+void QuiltingSource::codedBlock(RectPx region, std::vector<std::uint8_t>& codes) const {
+  codes.resize(static_cast<std::size_t>(info().frames) * region.width * region.height *
+               info().channels);
   input_.storedBlock(0, info().frames, region, reinterpret_cast<std::byte*>(codes.data()));
-  return codes;
 }
 
 std::vector<float> displayTable(double scale) {

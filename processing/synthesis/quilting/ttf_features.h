@@ -25,7 +25,7 @@ class QuiltingSource {
   std::vector<std::uint16_t> block(RectPx region) const;  // of all frames: [t][y][x][c]
   // Are samples codes of 8 bits that nothing is done to? Then they can be had as they are.
   bool isCoded() const { return info().type == ttf::SampleType::kU8 && !low_frequency_; }
-  std::vector<std::uint8_t> codedBlock(RectPx region) const;
+  void codedBlock(RectPx region, std::vector<std::uint8_t>& codes) const;
 
  private:
   const ttf::TtfReader& input_;
@@ -44,7 +44,8 @@ struct TtfFeatures {
 // Time and colour together are the columns of T (equation 4): n = frames * channels. Samples are
 // taken as displayed (sRGB), since a seam is seen there, and each frame is weighted by (1 + q) S /
 // (s + q S), s its contrast (standard deviation), S the greatest, q = 0.2: a seam is seen against
-// what else its frame shows, so that faint frames count too. Reads the input twice.
+// what else its frame shows, so that faint frames count too. Reads the
+// input once, short sequences twice.
 TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
                         std::optional<double> rank_error, Progress& progress);
 // The same from a decomposition of every channel by itself, rank_max over channels components each
