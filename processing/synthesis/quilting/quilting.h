@@ -79,9 +79,10 @@ struct QuiltingReport {
   double svd_error = 0;       // relative RMS of the rank used
   double seam_cost_mean = 0;  // squared difference of the two sides along seams, a texel
   double seam_ratio = 0;      // gradient across seams / gradient inside, in feature space
-  double seam_ratio_frames =
-      0;                // of the result as displayed, median over frames sampled (TTF only)
-  double blend_px = 0;  // of the correction made (TTF only)
+  // Of the result as displayed (TTF only): the median of nine frames; and in the worst of them of
+  // means over 9x9 texels, along rows or columns, whichever shows seams more.
+  double seam_ratio_frames = 0, seam_ratio_worst = 0;
+  double blend_px = 0;                     // of the correction made (TTF only)
   std::int64_t texels_recut = 0;           // that another block covers since seams were cut anew
   std::vector<double> part_shares = {};    // of the result's texels, by the part they come from
   std::vector<double> error_of_rank = {};  // relative RMS that rank 1, 2 ... would have (TTF only)

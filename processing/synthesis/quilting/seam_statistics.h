@@ -12,4 +12,10 @@ namespace patina::quilting {
 // other pairs: 1 is what the material itself does; 0 where there is no seam. O(texels).
 double seamRatio(ImageView<const float> result, const Quilt& quilt);
 
+// The same of means over squares of 2 radius_px + 1 texels: steps of brightness between areas,
+// which the eye finds where the ratio of single texels hides them among fine detail. The larger of
+// the ratios along rows and along columns, since brushed metal hides nothing across its strokes
+// that it would hide along them; a direction of fewer than 16 seam pairs is not judged.
+double seamRatioOfAreas(ImageView<const float> result, const Quilt& quilt, int radius_px);
+
 }  // namespace patina::quilting

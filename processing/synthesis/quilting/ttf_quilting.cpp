@@ -23,9 +23,10 @@ namespace patina::quilting {
 namespace {
 
 constexpr int kFramesMeasured = 9;
-constexpr double kSeamRatioWanted = 1, kSeamRatioNear = 0.03;
+constexpr double kSeamRatioWanted = 1.03, kSeamRatioSmooth = 0.9;  // of the median frame
+constexpr double kSeamRatioWorst = 1.1, kBlendNear = 1.05;
 constexpr double kBlendLeastPx = 0.125, kBlendMostPx = 32;
-constexpr int kBlendSteps = 8;
+constexpr int kBlendSteps = 6, kAreaRadiusPx = 4;
 constexpr std::int64_t kRemapBytes = 512 << 20;  // copies alone go by layers up to this size
 
 // Frames of the source as they are asked for: those about the present are kept.
@@ -108,9 +109,15 @@ class ResultFrames {
   mutable FrameWindow<float> linear_;
 };
 
-double seamRatioInFrames(const ResultFrames& frames, const Quilt& quilt) {
+struct SeamFigures {
+  double median = 0;  // over frames
+  double worst = 0;   // frame, of areas
+};
+
+SeamFigures seamFigures(const ResultFrames& frames, const Quilt& quilt) {
   const int count = std::min(kFramesMeasured, frames.count());
   std::vector<double> ratios;
+  SeamFigures figures;
   for (int i = 0; i < count; ++i) {
     Image<float> frame = frames.linear(count > 1 ? i * (frames.count() - 1) / (count - 1) : 0);
     tbb::parallel_for(0, frame.height(), [&](int y) {
@@ -118,19 +125,28 @@ double seamRatioInFrames(const ResultFrames& frames, const Quilt& quilt) {
       for (int j = 0; j < frame.width() * frame.channels(); ++j) row[j] = srgbFromLinear(row[j]);
     });
     ratios.push_back(seamRatio(std::as_const(frame).view(), quilt));
+    figures.worst = std::max(figures.worst,
+                             seamRatioOfAreas(std::as_const(frame).view(), quilt, kAreaRadiusPx));
   }
   std::sort(ratios.begin(), ratios.end());
-  return (ratios[(ratios.size() - 1) / 2] + ratios[ratios.size() / 2]) / 2;
+  figures.median = (ratios[(ratios.size() - 1) / 2] + ratios[ratios.size() / 2]) / 2;
+  return figures;
 }
 
-// The ratio falls with the reach.
-double leastBlend(const std::function<double(double blend_px)>& ratio) {
-  if (ratio(0) <= kSeamRatioWanted + kSeamRatioNear) return 0;
+// The least reach under which seams of no frame are much steeper than the rest, or,
+// where none does so, which comes near the best; but none that makes them smoother than the rest.
+// Figures fall with the reach.
+double leastBlend(const std::function<SeamFigures(double blend_px)>& figures) {
+  const auto excess = [&](const SeamFigures& f) {
+    return std::max(f.median - kSeamRatioWanted, f.worst - kSeamRatioWorst);
+  };
+  if (excess(figures(0)) <= 0) return 0;
+  const double allowed = std::max(0.0, kBlendNear * excess(figures(kBlendMostPx)));
   double low = std::log2(kBlendLeastPx), high = std::log2(kBlendMostPx);
   for (int step = 0; step < kBlendSteps; ++step) {
-    const double middle = (low + high) / 2, found = ratio(std::exp2(middle)) - kSeamRatioWanted;
-    if (std::abs(found) <= kSeamRatioNear) return std::exp2(middle);
-    (found > 0 ? low : high) = middle;
+    const double middle = (low + high) / 2;
+    const SeamFigures f = figures(std::exp2(middle));
+    (excess(f) > allowed && f.median > kSeamRatioSmooth ? low : high) = middle;
   }
   return std::exp2(high);
 }
@@ -184,12 +200,14 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
     return ResultFrames(source, result.quilt, blend ? &*blend : nullptr, restore ? &*low : nullptr,
                         jitter.walk_frames + jitter.event_frames);
   };
-  const auto ratioWith = [&](double blend_px) {
-    return seamRatioInFrames(framesWith(blend_px), result.quilt);
+  const auto figuresWith = [&](double blend_px) {
+    return seamFigures(framesWith(blend_px), result.quilt);
   };
-  result.report.blend_px = options.blend_auto ? leastBlend(ratioWith) : options.blend_px;
+  result.report.blend_px = options.blend_auto ? leastBlend(figuresWith) : options.blend_px;
   const ResultFrames frames = framesWith(result.report.blend_px);
-  result.report.seam_ratio_frames = seamRatioInFrames(frames, result.quilt);
+  const SeamFigures figures = seamFigures(frames, result.quilt);
+  result.report.seam_ratio_frames = figures.median;
+  result.report.seam_ratio_worst = figures.worst;
   if (!jitter.any() && !blend && !low &&
       ttf::remapBytes(input.info(), options.size) <= kRemapBytes) {
     ttf::remapTtf(input, result.quilt.source_xy.view(), out, provenance_json, progress);

@@ -37,5 +37,22 @@ TEST(SeamRatio, IsZeroWhereThereIsNoSeamOrNoGradient) {
   EXPECT_EQ(ratioOf(Image<float>(20, 2, 1), twoPieces(10)), 0);
 }
 
+// Strokes along rows, each of a brightness of its own; of two pieces beside one another the right
+// one is a little brighter.
+TEST(SeamRatio, OfAreasFindsAStepThatFineDetailHides) {
+  constexpr int kSide = 40;
+  Quilt quilt{Image<std::int32_t>(kSide, kSide, 2), Image<std::int32_t>(kSide, kSide, 1)};
+  Image<float> shown(kSide, kSide, 1);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      quilt.source_xy.at(x, y, 0) = x < kSide / 2 ? x : x + 100;
+      quilt.source_xy.at(x, y, 1) = y;
+      shown.at(x, y) = static_cast<float>(y % 2) + 0.02f * static_cast<float>(x % 2) +
+                       (x < kSide / 2 ? 0.0f : 0.4f);
+    }
+  EXPECT_LT(seamRatio(shown.view(), quilt), 1.1);
+  EXPECT_GT(seamRatioOfAreas(shown.view(), quilt, 4), 2);
+}
+
 }  // namespace
 }  // namespace patina::quilting

@@ -104,6 +104,8 @@ TEST(QuiltTtf, BlendsNoMoreThanSeamsNeedWhereItMayChoose) {
   EXPECT_GT(copied.seam_ratio_frames, 1.1);
   EXPECT_EQ(copied.blend_px, 0);
   EXPECT_GT(chosen.blend_px, 0);
+  EXPECT_GT(chosen.seam_ratio_worst, 0);
+  EXPECT_LT(chosen.seam_ratio_worst, copied.seam_ratio_worst);
   EXPECT_NEAR(chosen.seam_ratio_frames, 1, 0.05);
 }
 
