@@ -18,7 +18,7 @@ struct Response {
   const calibration::ResponseCurve* get() const { return curve ? &*curve : nullptr; }
 };
 Response responseFor(const db::ArchiveReader& reader, const PictureStack& stack) {
-  if (stack.channels == 1 || stack.key.bits != 8) return {};
+  if (stack.mosaic || stack.key.bits != 8) return {};
   const auto row = nearestCalibration(reader, "response", stack.key);
   if (!row) return {};
   return {row->id, readResponse(fileOfCalibration(reader, *row))};
@@ -53,7 +53,7 @@ Facts valuesOf(const calibration::MasterReport& report, const PictureStack& stac
                db::RowId response) {
   Facts values;
   values.count("bits", stack.key.bits).count("channels", stack.channels);
-  if (stack.channels == 1) {
+  if (stack.mosaic) {
     std::string filters;
     for (const std::uint8_t colour : stack.filters)
       filters.push_back(static_cast<char>('0' + colour));

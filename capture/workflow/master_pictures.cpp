@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 void describe(const Bytes& file, PictureStack& stack) {
   const SensorPicture picture = decodeSensorPicture(file, nullptr);
   stack.key.bits = picture.bits;
+  stack.mosaic = picture.raw.has_value();
   stack.channels = picture.raw ? 1 : picture.linear.channels();
   stack.key.size = picture.raw ? picture.raw->samples.size() : picture.linear.size();
   if (picture.raw) stack.filters = picture.raw->cfa;

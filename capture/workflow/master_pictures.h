@@ -18,7 +18,8 @@ struct PictureStack {
   std::vector<std::function<Bytes()>> files;
   std::vector<std::string> input_sha256s;
   calibration::CalibrationKey key;  // bits are of the middle picture
-  int channels = 3;                 // 1: raw mosaics
+  bool mosaic = false;              // raw numbers, one channel
+  int channels = 3;                 // 1: raw mosaics and grey pictures
   calibration::ColourFilters filters = calibration::kOneColour;
 
   // Linear, share of full scale, uncorrected; 8-bit files by `response` where there is one.

@@ -14,6 +14,7 @@
 #include "calibration/sensor/photon_transfer.h"
 #include "calibration/sensor/radiance.h"
 #include "calibration/sensor/response.h"
+#include "tests/calibration/sensor/light_verdict.h"
 #include "tests/calibration/sensor/tone_curve.h"
 #include "tests/calibration/sensor/twin_shots.h"
 
@@ -76,17 +77,6 @@ class Lab {
   std::vector<bool> saturated_;
 };
 
-struct Verdict {
-  double error_ratio = 0;       // RMS error over predicted RMS
-  double worst_tile_bias = 0;   // of 32x32 pixels, share
-  double worst_level_bias = 0;  // of 1,000 pixels of one level
-  double worst_level = 0;
-  int pixels = 0;
-};
-
 std::vector<bool> leftOut(const SensorCorrection& used, const std::vector<bool>& saturated);
-// [h][w][1] each.
-Verdict judge(const Image<float>& light, const Image<float>& truth, const Image<float>& variance,
-              const std::vector<bool>& left_out);
 
 }  // namespace patina::calibration

@@ -31,7 +31,7 @@ TEST(ClosedLoop, RawFramesUnderTwoLampsThatDriftApartGiveTheLightBack) {
     const Averaged averaged{kFrames, kMasterFrames, kMasterFrames, flat.master.report.levels};
     const Image<float> variance =
         varianceOfLight(light.view(), used, {1, 1, 1}, lab.noise(), averaged);
-    const Verdict verdict =
+    const LightVerdict verdict =
         judge(light, lab.truth(state.lamps, flat), variance, leftOut(used, lab.saturated()));
     std::printf(
         "%s: error %.3f of the predicted, bias %.3f %% (worst 32x32 tile), %.3f %% (worst "
@@ -59,7 +59,7 @@ TEST(ClosedLoop, EightBitsThroughAMeasuredResponseGiveTheLightBackForEveryToneCu
     const Averaged averaged{kFrames, kMasterFrames, kMasterFrames, flat.master.report.levels};
     const Image<float> variance =
         varianceOfLight(light.view(), used, {1, 1, 1}, lab.noise(), averaged, lab.response());
-    const Verdict verdict =
+    const LightVerdict verdict =
         judge(light, lab.truth(lamps, flat), variance, leftOut(used, lab.saturated()));
     std::printf(
         "8 bits, %s: error %.3f of the predicted, bias %.3f %% (worst 32x32 tile), %.3f %% (worst "
@@ -128,7 +128,7 @@ TEST(ClosedLoop, TexturesUnderTwoLampsThatDriftApartGiveTheLightBackThroughAllOf
       for (std::size_t k = 0; k < left_out.size(); ++k)
         aside.push_back(std::abs(spread.texels()[3 * k + c]) > 0 ||
                         expected.texels()[3 * k + c] == 0);
-      const Verdict verdict =
+      const LightVerdict verdict =
           judge(channelOf(got, c), channelOf(wanted, c), channelOf(expected, c), aside);
       std::printf(
           "%s, all of the chain, channel %d: error %.3f of the predicted, bias %.3f %% (worst "
