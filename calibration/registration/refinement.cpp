@@ -18,10 +18,8 @@ constexpr float kOutlier = 0.5f;  // residual of a pixel that counts half, in sp
 constexpr int kTranslationSteps = 12, kEccSteps = 60;
 constexpr double kTranslationDone_px = 0.004, kEccDone = 1e-4;
 
-// H (xx, xy, yy), the right side (x, y), the weight, the pixels: sums of one row or of all.
-using Sums = std::array<double, 7>;
-
-double meanWeight(const Sums& s) { return s[5] / std::max(s[6], 1.0); }
+// H (xx, xy, yy), the right side (x, y), the weight: sums of one row or of all.
+using Sums = std::array<double, 6>;
 
 struct Reach {  // pixels of the reference whose place in the frame has four neighbours
   int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
@@ -50,17 +48,16 @@ Sums sumsOfRow(const PictureLevel& reference, const PictureLevel& frame, int y, 
   const float a = (1 - fx) * (1 - fy), b = fx * (1 - fy), c = (1 - fx) * fy, d = fx * fy;
   constexpr float kInverse = 1 / (kOutlier * kOutlier);
   constexpr int kLanes = 4;
-  float sums[7][kLanes] = {};
+  float sums[6][kLanes] = {};
   const auto add = [&](int x, int lane) {
     const float seen = a * high[x] + b * high[x + 1] + c * low[x] + d * low[x + 1];
     const float residual = seen - row[x];
-    const float counts = usable && !usable[x] ? 0.0f : 1.0f;
-    const float weight = counts / (1 + residual * residual * kInverse);
+    float weight = 1 / (1 + residual * residual * kInverse);
+    if (usable) weight = usable[x] ? weight : 0;
     const float gx = 0.5f * (row[x + 1] - row[x - 1]), gy = 0.5f * (down[x] - up[x]);
     const float wx = weight * gx, wy = weight * gy;
     sums[0][lane] += wx * gx, sums[1][lane] += wx * gy, sums[2][lane] += wy * gy;
     sums[3][lane] += wx * residual, sums[4][lane] += wy * residual, sums[5][lane] += weight;
-    sums[6][lane] += counts;
   };
   int x = reach.x0;
   for (; x + kLanes <= reach.x1; x += kLanes)
@@ -147,13 +144,10 @@ Refinement refineTranslation(const PreparedPicture& reference, const PreparedPic
   const int levels = static_cast<int>(std::min(reference.levels.size(), frame.levels.size()));
   for (int level = levels - 1; level >= 0; --level) {
     const auto at = static_cast<std::size_t>(level);
-    const Motion before = atLevel(out.frame_from_reference, level);
-    Motion motion = before;
-    double fit_before = -1;
+    Motion motion = atLevel(out.frame_from_reference, level);
     out.converged = false;
     for (int step = 0; step < kTranslationSteps && !out.converged; ++step) {
       const Sums s = sumsOf(reference.levels[at], frame.levels[at], motion[2], motion[5]);
-      if (step == 0) fit_before = meanWeight(s);
       const double determinant = s[0] * s[2] - s[1] * s[1];
       // Nothing to hold on to here: a finer level may have more.
       if (!(determinant > 1e-6 * (s[0] + s[2]) * (s[0] + s[2])) || !(s[5] > 16)) break;
@@ -164,10 +158,6 @@ Refinement refineTranslation(const PreparedPicture& reference, const PreparedPic
       ++out.iterations;
       out.converged = std::hypot(x, y) < (level == 0 ? kTranslationDone_px : 0.02);
     }
-    // Where a small mask shows nothing but noise at this level, steps lead anywhere.
-    if (level > 0 && meanWeight(sumsOf(reference.levels[at], frame.levels[at], motion[2],
-                                       motion[5])) < fit_before)
-      motion = before;
     out.frame_from_reference = fromLevel(motion, level);
   }
   return out;

@@ -121,10 +121,10 @@ ShiftErrors shiftErrorsOf(const ShiftedSpecimen& twin, double time, int shifts) 
     const Alignment own =
         align(twin.developed(light, after).view(),
               preparePicture(twin.developed(still, before).view()), options, progress);
-    AlignOptions as_users;  // searching: at the coarse levels a small card shows nothing
+
     const Image<float> card = twin.developed(twin.withCard(still, {}), before);
     const Alignment by_card = align(twin.developed(twin.withCard(light, by), after).view(),
-                                    preparePicture(card.view(), mask.view()), as_users, progress);
+                                    preparePicture(card.view(), mask.view()), options, progress);
     sum.own_px += squaredApart(own.frame_from_reference, by) / shifts;
     sum.by_card_px += squaredApart(by_card.frame_from_reference, by) / shifts;
     sum.expected_px += own.agreement.uncertainty_px * own.agreement.uncertainty_px / shifts;

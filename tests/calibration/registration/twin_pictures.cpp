@@ -98,17 +98,19 @@ Image<float> ShiftedSpecimen::at(double time, PlacePx shift, std::uint64_t seed)
 }
 
 std::vector<float> ShiftedSpecimen::withCard(std::vector<float> light, PlacePx shift) const {
-  constexpr double kCell_px = 16, kRadius_px = 4.5;
+  constexpr double kCell_px = 16;
   for (int y = 0; y < size_.height; ++y)
     for (int x = 0; x < cardWidthPx(); ++x) {
       const double u = x - shift.x, v = y - shift.y;
       const double column = std::floor(u / kCell_px), row = std::floor(v / kCell_px);
       const auto cell = static_cast<std::uint64_t>(1000 * (row + 100) + column + 100);
-      // Not in rank and file, or one row would be taken for the next.
-      const double middle_x = column * kCell_px + 5 + 6 * uniform(hashSeed(cell, 1)),
-                   middle_y = row * kCell_px + 5 + 6 * uniform(hashSeed(cell, 2));
+      // Not in rank and file, or one row would be taken for the next; the more of them are missing,
+      // the coarser the levels at which they still tell something.
+      const bool missing = uniform(hashSeed(cell, 3)) < 0.5;
+      const double middle_x = column * kCell_px + 7 + 2 * uniform(hashSeed(cell, 1)),
+                   middle_y = row * kCell_px + 7 + 2 * uniform(hashSeed(cell, 2));
       const double black =
-          std::clamp(kRadius_px - std::hypot(u - middle_x, v - middle_y) + 0.5, 0.0, 1.0);
+          missing ? 0 : std::clamp(6.5 - std::hypot(u - middle_x, v - middle_y), 0.0, 1.0);
       light[static_cast<std::size_t>(y) * size_.width + x] = static_cast<float>(0.6 - 0.55 * black);
     }
   return light;
