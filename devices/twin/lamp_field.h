@@ -15,6 +15,8 @@ struct LampPlace {
   double beam_deg = 0;    // full angle at which half of it is left: cos^n of the angle from its
                           // axis; 0: it shines to all sides
   double radius_mm = 10;  // of what shines: how soft its shadows are
+
+  bool operator==(const LampPlace&) const = default;
 };
 
 // Light across its rays at a point, over that on a horizontal card at the origin: inverse square

@@ -74,6 +74,14 @@ LitScene::LitScene(const World& world, const PictureLayout& layout, const Camera
   relief_reader_.emplace(relief_->grid(), grid());
 }
 
+void LitScene::placeLamp(std::size_t i, const LampPlace& place) {
+  LampPicture& lamp = lamps_[i];
+  if (lamp.place == place) return;
+  lamp.place = place;
+  lamp.field.reset();
+  lamp.fresh = false;
+}
+
 void LitScene::age(double time) {
   if (time == time_) return;
   time_ = time;

@@ -36,6 +36,9 @@ class LitScene {
   const SpecimenPose& specimenPose() const { return specimen_; }
   const SampleGrid& grid() const { return view_.ground(); }
   std::size_t lampCount() const { return lamps_.size(); }
+  // Where a lamp stands from here on; at first, where the rig has it.
+  void placeLamp(std::size_t i, const LampPlace& place);
+  const LampPlace& lampPlace(std::size_t i) const { return lamps_[i].place; }
 
   // Renders what is lit: [h][w] a lamp at level 1, in units of a white diffuser in the middle of
   // the specimen. `time` is the share of the process. Lamps that stay dark cost nothing; the

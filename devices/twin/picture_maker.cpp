@@ -38,8 +38,11 @@ PictureMaker::PictureMaker(const World& world, const CameraSpec& camera, const C
 void PictureMaker::place(Nanoseconds run_time) {
   const CameraPose pose = bumpedPose(pose_, world_.faults(), camera_, run_time);
   const SpecimenPose specimen = world_.specimenPoseAt(run_time);
-  if (scene_ && scene_->cameraPose() == pose && scene_->specimenPose() == specimen) return;
-  scene_ = std::make_unique<LitScene>(world_, layout_, pose, specimen);
+  if (!scene_ || scene_->cameraPose() != pose || scene_->specimenPose() != specimen)
+    scene_ = std::make_unique<LitScene>(world_, layout_, pose, specimen);
+  const std::vector<LightSpec>& lights = world_.spec().lights;
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    scene_->placeLamp(i, placeAt(world_.lampPlace(i), world_.faults(), lights[i].id, run_time));
 }
 
 std::vector<float> PictureMaker::light(const ShotLight& shot) {
@@ -77,7 +80,7 @@ std::vector<float> PictureMaker::whiteCard(const ShotLight& shot) const {
                            static_cast<float>(world_.profile().room.ambient + sky.dome));
   for (std::size_t i = 0; i < shot.levels.size(); ++i)
     if (shot.levels[i] > 0)
-      add(white, shot.levels[i], scene_->whiteCard(world_.lampPlace(i)), layout_.size);
+      add(white, shot.levels[i], scene_->whiteCard(scene_->lampPlace(i)), layout_.size);
   if (sky.sun > 0) add(white, sky.sun, scene_->whiteCard(sky.sun_place), layout_.size);
   return white;
 }

@@ -63,4 +63,14 @@ CameraPose bumpedPose(const CameraPose& pose, const FaultPlan& faults, const std
   return bumped;
 }
 
+LampPlace placeAt(const LampPlace& place, const FaultPlan& faults, const std::string& light,
+                  Nanoseconds run_time) {
+  LampPlace stands = place;
+  for (const Fault& fault : faults.faults)
+    if (fault.kind == FaultKind::kLightsMirrored && fault.device == light &&
+        isActive(fault, run_time))
+      stands.position_mm.x = -place.position_mm.x;
+  return stands;
+}
+
 }  // namespace patina::devices::twin

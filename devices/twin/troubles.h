@@ -4,6 +4,7 @@
 
 #include "devices/fault_plan.h"
 #include "devices/twin/camera_view.h"
+#include "devices/twin/lamp_field.h"
 #include "devices/twin/specimen_pose.h"
 
 namespace patina::devices::twin {
@@ -17,6 +18,10 @@ SpecimenPose specimenPoseAt(const FaultPlan& faults, Nanoseconds run_time, Nanos
 // direction, and turned about its axis by up to 0.2 degrees a mm.
 CameraPose bumpedPose(const CameraPose& pose, const FaultPlan& faults, const std::string& camera,
                       Nanoseconds run_time);
+
+// Where a lamp stands that the rig has at `place`: mirrored, at -x of it.
+LampPlace placeAt(const LampPlace& place, const FaultPlan& faults, const std::string& light,
+                  Nanoseconds run_time);
 
 // From its begin to its end.
 bool isActive(const Fault& fault, Nanoseconds run_time);

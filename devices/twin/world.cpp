@@ -22,8 +22,7 @@ std::unique_ptr<Specimen> specimenOf(const RigSpec& spec, std::uint64_t seed) {
   }
 }
 
-LampPlace placeOf(const LightSpec& light, Settings& settings, const RigSpec& spec,
-                  const FaultPlan& faults) {
+LampPlace placeOf(const LightSpec& light, Settings& settings, const RigSpec& spec) {
   LampPlace place;
   place.position_mm = light.position_mm;
   place.aim_mm = settings.takePosition("aim_mm", {0, 0, 0});
@@ -36,9 +35,6 @@ LampPlace placeOf(const LightSpec& light, Settings& settings, const RigSpec& spe
   if (place.beam_deg > 0 && !(lightAcross(place, place.aim_mm) < 1e4))
     throw ConfigError(spec.source, 0, name + "settings.aim_mm",
                       "its cone leaves the middle of the specimen dark");
-  for (const Fault& fault : faults.faults)
-    if (fault.kind == FaultKind::kLightsMirrored && fault.device == light.id)
-      place.position_mm.x = -place.position_mm.x;
   return place;
 }
 
@@ -55,7 +51,7 @@ World::World(const RigSpec& spec, const TwinOptions& options, Clock& clock)
     Settings settings(light.settings, "light '" + light.id + "'", spec.source);
     const bool incandescent =
         settings.takeChoice("kind", {"incandescent", "led"}) == "incandescent";
-    places_.push_back(placeOf(light, settings, spec, options.faults));
+    places_.push_back(placeOf(light, settings, spec));
     settings.finish();
     lamps_.emplace_back(light, incandescent, profile_.lamp, options_.faults, options_.seed,
                         runTime());

@@ -86,6 +86,10 @@ TEST(Troubles, AMirroredLampShadesAGreyCardFromTheOtherSide) {
                mirrored = slope({faultOf("fill", FaultKind::kLightsMirrored, 0)});
   EXPECT_GT(as_it_stands, 0.05) << "the lamp stands at x = 300";
   EXPECT_NEAR(mirrored, -as_it_stands, 0.01);
+  EXPECT_EQ(slope({faultOf("fill", FaultKind::kLightsMirrored, 0, 51h)}), as_it_stands) << "later";
+  EXPECT_EQ(slope({faultOf("fill", FaultKind::kLightsMirrored, 0, 49h, 2h)}), mirrored);
+  EXPECT_EQ(slope({faultOf("fill", FaultKind::kLightsMirrored, 0, 40h, 2h)}), as_it_stands)
+      << "it was put back";
 }
 
 // A sweep of 24 shots in the last quarter of a process that lasts an hour and a half.
