@@ -67,7 +67,8 @@ void RegisteredFrames::begin(const Image<float>& first) {
       options.outside.texels()[k] |= markers.texels()[k];
   }
   track_ = std::make_unique<PoseTrack>(std::move(options));
-  if (request_.deform) first_ = preparePicture(first.view());
+  if (request_.deform)
+    deformations_ = std::make_unique<DeformationTrack>(DeformationTrackOptions{});
   report_.seen_by_all = {0, 0, first.width(), first.height()};
 }
 
@@ -77,8 +78,7 @@ PixelMap RegisteredFrames::placesOf(const Image<float>& frame, RegisteredFrame& 
     const PixelMap whole = map_ ? *map_ : identityMap({0, 0, frame.width(), frame.height()});
     return composed(whole, pose);
   }
-  const Deformation field =
-      findDeformation(first_, preparePicture(frame.view()), pose, {}, progress_);
+  const Deformation field = deformations_->add(frame.view(), pose, progress_);
   about.deformed_px = field.largest_px;
   return map_ ? composed(*map_, field.map()) : field.map();
 }

@@ -2,11 +2,12 @@
 // Frames laid over the first one: each texel shows the same place of the specimen all along.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "calibration/registration/deformation.h"
+#include "calibration/registration/deformation_track.h"
 #include "calibration/registration/pose_track.h"
 #include "processing/image/pixel_map.h"
 #include "processing/image/progress.h"
@@ -18,7 +19,7 @@ struct RegistrationRequest {
   calibration::MotionModel model = calibration::MotionModel::kTranslation;
   std::vector<RectPx> fiducials;  // of the first frame: what is not specimen and does not age
   bool markers = false;           // ArUco markers of the first frame are fiducials too
-  bool deform = false;            // a smooth field on top, against the first frame
+  bool deform = false;            // a smooth field on top, from recent frames
 };
 
 struct RegisteredFrame {
@@ -58,7 +59,7 @@ class RegisteredFrames final : public ttf::FrameSource {
   std::optional<PixelMap> map_;
   Progress& progress_;
   std::unique_ptr<calibration::PoseTrack> track_;
-  calibration::PreparedPicture first_;  // where deformations are asked for
+  std::unique_ptr<calibration::DeformationTrack> deformations_;  // where they are asked for
   RegistrationReport report_;
 };
 
