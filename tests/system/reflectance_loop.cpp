@@ -8,7 +8,9 @@
 
 #include "capture/workflow/gain_field_calibration.h"
 #include "db/archive.h"
+#include "devices/twin/lamp_field.h"
 #include "devices/twin/lit_scene.h"
+#include "devices/twin/shading.h"
 #include "processing/brdf/picture_score.h"
 #include "processing/brdf/relight.h"
 #include "tests/support/child.h"
@@ -20,7 +22,7 @@ namespace twin = devices::twin;
 namespace fs = std::filesystem;
 
 constexpr double kReachDeg = 72, kDistanceMm = 600, kGolden = 2.399963229728653;
-constexpr double kCardReflectance = 0.5;  // of the twin's grey card
+constexpr double kCardReflectance = 0.5;  // of the card that fields are taken from
 constexpr int kInterval = 600;            // s
 
 std::string idOf(int lamp) { return (lamp < 10 ? "l0" : "l") + std::to_string(lamp); }
@@ -34,7 +36,8 @@ bool isLeftOut(const Loop& loop, int lamp) {
   return lamp % period == period / 2 && lamp / period < loop.left_out;
 }
 
-std::string rigText(const Loop& loop, const std::string& specimen, bool all) {
+// `card`: a grey card over all of the specimen. `all`: the lamps that are left out too.
+std::string rigText(const Loop& loop, bool card, bool all) {
   const std::string side = std::to_string(loop.side_px);
   std::string text =
       "name = \"dome\"\n[[camera]]\nid = \"cam0\"\nbackend = \"twin\"\n"
@@ -48,8 +51,15 @@ std::string rigText(const Loop& loop, const std::string& specimen, bool all) {
             std::to_string(kDistanceMm * s * std::sin(i * kGolden)) + ", " +
             std::to_string(kDistanceMm * z) + "]\nsettings = { kind = \"led\", radius_mm = 4.0 }\n";
   }
-  return text + "[twin]\nspecimen = \"" + specimen + "\"\nsize = \"" + side + "x" + side +
-         "\"\nshadows = " + (loop.shadows && !all ? "true" : "false") + "\n";
+  text += "[twin]\nspecimen = \"" + loop.specimen + "\"\nsize = \"" + side + "x" + side +
+          "\"\nshadows = " + (loop.shadows && !all ? "true" : "false") + "\n";
+  if (card)
+    text +=
+        "[[twin.target]]\nkind = \"grey_card\"\nreflectance = " + std::to_string(kCardReflectance) +
+        "\nwidth_mm = " +
+        std::to_string(1.5 * twin::makeSpecimen(loop.specimen, 1)->info().width_mm) +
+        "\nposition_mm = [0.0, 0.0, 0.0]\n";
+  return text;
 }
 
 std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
@@ -69,7 +79,7 @@ std::string plainName(std::string name) {
 }
 
 devices::RigSpec wholeRig(const Loop& loop) {
-  return devices::parseRig(rigText(loop, loop.specimen, true), "rig.toml");
+  return devices::parseRig(rigText(loop, false, true), "rig.toml");
 }
 
 struct RmsOf {
@@ -91,16 +101,36 @@ class Truth {
     rect_ = layout_.specimen_px;
     rect_.width -= rect_.width % loop.bin;
     rect_.height -= rect_.height % loop.bin;
-    grid_.size = {rect_.width / loop.bin, rect_.height / loop.bin};
+    grid_.size = {rect_.width, rect_.height};
     const twin::SampleGrid& whole = scene_.grid();
-    grid_.texel_mm = whole.texel_mm * static_cast<float>(loop.bin);
-    for (int y = 0; y < grid_.size.height; ++y)
-      for (int x = 0; x < grid_.size.width; ++x) addTexel(whole, x, y);
+    grid_.texel_mm = whole.texel_mm;
+    for (int y = 0; y < rect_.height; ++y)
+      for (int x = 0; x < rect_.width; ++x) {
+        const std::size_t k = whole.index(rect_.x + x, rect_.y + y);
+        grid_.x_mm.push_back(whole.x_mm[k]);
+        grid_.y_mm.push_back(whole.y_mm[k]);
+      }
+    view_.emplace(grid_);
     surface_ = world_.specimen().prepare(grid_);
   }
 
   const RectPx& rect() const { return rect_; }
-  twin::SurfaceMaps maps(double time) const { return mapsAt(*surface_, time, grid_.size); }
+  // Of texels: the mean of their pixels.
+  brdf::BrdfMaps maps(double time) const {
+    const twin::SurfaceMaps fine = mapsAt(*surface_, time, grid_.size);
+    brdf::BrdfMaps maps{meansOf(fine.diffuse),
+                        meansOf(fine.specular),
+                        meansOf(fine.roughness),
+                        meansOf(fine.normal),
+                        {}};
+    for (int y = 0; y < maps.normal.height(); ++y)
+      for (int x = 0; x < maps.normal.width(); ++x) {
+        const auto n = maps.normal.view().texel(x, y);
+        const brdf::Vec3 unit = brdf::normalized({n[0], n[1], n[2]});
+        n[0] = unit.x, n[1] = unit.y, n[2] = unit.z;
+      }
+    return maps;
+  }
   float mmPerTexel() const {
     return static_cast<float>(world_.specimen().info().width_mm / layout_.size.width * loop_.bin);
   }
@@ -119,39 +149,34 @@ class Truth {
     return light;
   }
 
-  // Noiseless: the mean a texel of the pixels of each colour of the mosaic.
-  Image<float> mosaic(double time, int lamp) {
-    std::vector<bool> lit(rig_.lights.size());
-    lit[static_cast<std::size_t>(lamp)] = true;
-    scene_.render(time, lit);
-    const std::vector<float>& whole = scene_.lamp(static_cast<std::size_t>(lamp));
-    Image<float> out(grid_.size.width, grid_.size.height, 3);
+  // Noiseless, without mosaic and cast shadows.
+  Image<float> picture(double time, int lamp) const {
+    const twin::LampField field(*view_, world_.lampPlace(static_cast<std::size_t>(lamp)), true);
     Image<float> pixels(grid_.size.width, grid_.size.height, 3);
-    for (int y = 0; y < rect_.height; ++y)
-      for (int x = 0; x < rect_.width; ++x) {
-        const int channel = (x + rect_.x) % 2 + (y + rect_.y) % 2, u = x / loop_.bin,
-                  v = y / loop_.bin;
-        out.at(u, v, channel) += whole[scene_.grid().index(x + rect_.x, y + rect_.y)];
-        pixels.at(u, v, channel) += 1;
+    std::vector<float> scratch, channel(static_cast<std::size_t>(grid_.size.width));
+    twin::SurfaceRow row(grid_.size.width);
+    for (int y = 0; y < grid_.size.height; ++y) {
+      surface_->rowAt(time, y, row);
+      const twin::ShadedRow shaded{row, field.row(y, scratch), view_->viewRow(y),
+                                   world_.specimen().measured()};
+      for (int c = 0; c < 3; ++c) {
+        twin::shadeChannelRow(shaded, c, channel.data());
+        for (int x = 0; x < grid_.size.width; ++x)
+          pixels.at(x, y, c) = channel[static_cast<std::size_t>(x)];
       }
-    for (std::size_t k = 0; k < out.texels().size(); ++k)
-      out.texels()[k] = pixels.texels()[k] > 0 ? out.texels()[k] / pixels.texels()[k] : -1;
-    return out;
+    }
+    return meansOf(pixels);
   }
 
  private:
-  // The mean place of its pixels.
-  void addTexel(const twin::SampleGrid& whole, int x, int y) {
-    float x_mm = 0, y_mm = 0;
+  Image<float> meansOf(const Image<float>& pixels) const {
     const int n = loop_.bin;
-    for (int v = 0; v < n; ++v)
-      for (int u = 0; u < n; ++u) {
-        const std::size_t k = whole.index(rect_.x + n * x + u, rect_.y + n * y + v);
-        x_mm += whole.x_mm[k] / static_cast<float>(n * n);
-        y_mm += whole.y_mm[k] / static_cast<float>(n * n);
-      }
-    grid_.x_mm.push_back(x_mm);
-    grid_.y_mm.push_back(y_mm);
+    Image<float> out(pixels.width() / n, pixels.height() / n, pixels.channels());
+    for (int y = 0; y < pixels.height(); ++y)
+      for (int x = 0; x < pixels.width(); ++x)
+        for (int c = 0; c < pixels.channels(); ++c)
+          out.at(x / n, y / n, c) += pixels.at(x, y, c) / static_cast<float>(n * n);
+    return out;
   }
   static twin::TwinOptions options(const Loop& loop) {
     twin::TwinOptions options;
@@ -167,7 +192,8 @@ class Truth {
   devices::VirtualClock clock_{UtcTime{}};
   twin::World world_;
   twin::LitScene scene_;
-  twin::SampleGrid grid_;
+  twin::SampleGrid grid_;  // of pixels
+  std::optional<twin::CameraView> view_;
   std::shared_ptr<const twin::PreparedSurface> surface_;
 };
 
@@ -190,7 +216,7 @@ class Judge {
   }
 
   void judge(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
-    const twin::SurfaceMaps want = truth_.maps(time);
+    const brdf::BrdfMaps want = truth_.maps(time);
     ASSERT_EQ(seen.diffuse.size(), want.diffuse.size());
     for (int y = 0; y < want.diffuse.height(); ++y)
       for (int x = 0; x < want.diffuse.width(); ++x) judgeTexel(want, seen, x, y);
@@ -215,7 +241,7 @@ class Judge {
   }
 
  private:
-  void judgeTexel(const twin::SurfaceMaps& want, const brdf::BrdfMaps& seen, int x, int y) {
+  void judgeTexel(const brdf::BrdfMaps& want, const brdf::BrdfMaps& seen, int x, int y) {
     double specular2 = 0;
     for (int c = 0; c < 3; ++c) {
       const double d = double{seen.diffuse.at(x, y, c)} - want.diffuse.at(x, y, c),
@@ -238,12 +264,11 @@ class Judge {
 
   void judgePictures(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
     for (const int lamp : left_out_) {
-      const Image<float> want = truth_.mosaic(time, lamp);
+      const Image<float> want = truth_.picture(time, lamp);
       const Image<float> picture =
           brdf::relight(seen, info, truth_.light(lamp), {0, 0, 1}, truth_.mmPerTexel());
       RmsOf own;
       for (std::size_t k = 0; k < want.texels().size(); ++k) {
-        if (want.texels()[k] < 0) continue;  // no pixel of this colour
         const double off =
             std::clamp(picture.texels()[k], 0.0f, 1.0f) - std::clamp(want.texels()[k], 0.0f, 1.0f);
         own.add(off * off), pictures_.add(off * off);
@@ -267,8 +292,8 @@ std::string planOf(const TempFolder& folder) { return folder / "plan.toml"; }
 std::string archiveOf(const TempFolder& folder) { return folder / "archive"; }
 
 void prepareLoop(const Loop& loop, const TempFolder& folder) {
-  writeFile(folder / "rig.toml", rigText(loop, loop.specimen, false));
-  writeFile(folder / "card_rig.toml", rigText(loop, "grey_card", false));
+  writeFile(folder / "rig.toml", rigText(loop, false, false));
+  writeFile(folder / "card_rig.toml", rigText(loop, true, false));
   writeFile(
       folder / "plan.toml",
       planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
