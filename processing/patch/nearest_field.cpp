@@ -341,9 +341,13 @@ void NearestField::judge(int lane, int x, int y, int pass, int step) {
       const std::int32_t centre = judge.continued(x, y, around);
       if (centre < 0) continue;
       judge.propose(centre);
-      if (centre != judge.best.centre) judge.proposeSimilar(centre);
+      // What is similar to what stays has been judged.
+      if (centre != judge.best.centre && wakefulness_.changedLately(static_cast<std::size_t>(
+                                             neighbour(x + around.x, y + around.y))))
+        judge.proposeSimilar(centre);
     }
-    judge.proposeSimilar(judge.best.centre);
+    if (judge.best.centre != centres_[at] || wakefulness_.changedLately(at))
+      judge.proposeSimilar(judge.best.centre);
   } else {
     judge.proposeRandom(hashSeed(options_.seed, static_cast<std::uint64_t>(pass),
                                  static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));

@@ -13,7 +13,7 @@
 namespace patina::patch {
 
 struct SimilarOptions {
-  int count = 4;  // of each patch
+  int count = 3;  // of each patch
   int trees = 3;  // whose leaves are looked through; more find nearer ones
   int apart = 3;  // texels at least, in x or y: closer ones are what propagation finds anyway
 };

@@ -25,6 +25,7 @@ Wakefulness::Wakefulness(SizePx target, bool wraps, int passes)
       wraps_(wraps),
       kept_(static_cast<std::uint8_t>((1u << passes) - 1)),
       history_(texelsOf(target), 0),
+      before_(texelsOf(target), 0),
       awake_(texelsOf(target), 0),
       since_vote_(texelsOf(target), 0) {
   PATINA_CHECK(passes >= 1 && passes <= 7);
@@ -35,6 +36,7 @@ void Wakefulness::wakeAll() { std::fill(history_.begin(), history_.end(), kept_)
 void Wakefulness::beginPass() {
   // Bit 0 is the pass that ended; what is left of it after the shift counts down `passes`.
   awake_ = spread(history_, 1);
+  before_ = history_;
   for (std::uint8_t& h : history_) h = static_cast<std::uint8_t>((h << 1) & kept_);
 }
 

@@ -22,6 +22,8 @@ class Wakefulness {
   // In a pass. Each index is written by one thread only; others read it when that thread rests.
   bool awake(std::size_t at) const { return awake_[at] != 0; }
   bool changedNow(std::size_t at) const { return (history_[at] & 1) != 0; }
+  // In this pass or one of the last `passes`.
+  bool changedLately(std::size_t at) const { return (before_[at] | (history_[at] & 1)) != 0; }
   void noteChange(std::size_t at) {
     history_[at] |= 1;
     since_vote_[at] = 1;
@@ -38,6 +40,7 @@ class Wakefulness {
   bool wraps_;
   std::uint8_t kept_;
   std::vector<std::uint8_t> history_;  // bit n: changed n passes ago
+  std::vector<std::uint8_t> before_;   // the history when this pass began
   std::vector<std::uint8_t> awake_, since_vote_;
 };
 

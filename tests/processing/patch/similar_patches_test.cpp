@@ -54,7 +54,7 @@ TEST(SimilarPatches, AreUsable) {
   for (std::size_t i = 0; i < usable.size(); i += 3) usable[i] = 0;
   const SimilarPatches similar(features.view(), 5, usable, {});
   for (std::size_t i = 0; i < usable.size(); ++i)
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < similar.count(); ++k) {
       const std::int32_t other = similar.of(static_cast<std::int32_t>(i))[k];
       ASSERT_TRUE(other < 0 || (usable[i] != 0 && usable[static_cast<std::size_t>(other)] != 0));
     }

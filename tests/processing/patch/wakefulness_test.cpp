@@ -59,5 +59,15 @@ TEST(Wakefulness, ForgetsTheChangesThatWereTaken) {
   EXPECT_EQ(std::accumulate(again.begin(), again.end(), 0), 0);
 }
 
+TEST(Wakefulness, RemembersWhoChangedLately) {
+  Wakefulness w(kSize, false, 2);
+  w.noteChange(at(4, 3));
+  for (const bool lately : {true, true, false}) {
+    w.beginPass();
+    EXPECT_EQ(w.changedLately(at(4, 3)), lately);
+    EXPECT_FALSE(w.changedLately(at(5, 3)));
+  }
+}
+
 }  // namespace
 }  // namespace patina::patch
