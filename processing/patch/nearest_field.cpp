@@ -80,11 +80,14 @@ void NearestField::markUsable(std::span<const std::uint8_t> usable) {
   bool any = false;
   for (int y = reach_; y < height - reach_; ++y)
     for (int x = reach_; x < width - reach_; ++x) {
+      const std::int32_t centre = y * width + x;
       bool all = true;
       for (int dy = -reach_; dy <= reach_ && all && !usable.empty(); ++dy)
-        for (int dx = -reach_; dx <= reach_; ++dx)
-          all &= usable[static_cast<std::size_t>((y + dy) * width + x + dx)] != 0;
-      usable_[static_cast<std::size_t>(y * width + x)] = all;
+        for (int dx = -reach_; dx <= reach_; ++dx) {
+          const std::int32_t texel = centre + dy * width + dx;
+          all &= usable[static_cast<std::size_t>(texel)] != 0;
+        }
+      usable_[static_cast<std::size_t>(centre)] = all;
       any |= all;
     }
   if (!any)

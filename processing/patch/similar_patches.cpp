@@ -16,7 +16,7 @@
 namespace patina::patch {
 namespace {
 
-constexpr int kComponents = 4, kDimensions = 12;
+constexpr std::size_t kComponents = 4, kDimensions = 3 * kComponents;
 constexpr int kLeaf = 32;
 constexpr std::size_t kShortList = 8;  // by their keys; then by the whole distance
 
@@ -32,8 +32,8 @@ Key keyOf(ImageView<const std::int16_t> f, int x, int y, int reach) {
   for (int dy = -reach; dy <= reach; ++dy) {
     const std::int16_t* texel = &f.at(x - reach, y + dy);
     for (int dx = -reach; dx <= reach; ++dx, texel += f.channels)
-      for (int k = 0; k < kComponents; ++k) {
-        const auto i = static_cast<std::size_t>(3 * k);
+      for (std::size_t k = 0; k < kComponents; ++k) {
+        const std::size_t i = 3 * k;
         sum[i] += texel[k];
         sum[i + 1] += texel[k] * dx;
         sum[i + 2] += texel[k] * dy;
@@ -71,28 +71,29 @@ class Leaves {
   }
 
  private:
-  float value(std::int32_t patch, int dimension) const {
-    return keys_[static_cast<std::size_t>(patch)][static_cast<std::size_t>(dimension)];
+  float value(std::int32_t patch, std::size_t dimension) const {
+    return keys_[static_cast<std::size_t>(patch)][dimension];
   }
 
   // The widest dimension; the second widest every so often, at another depth in each tree.
-  int dimensionFor(std::size_t first, std::size_t last, int depth) const {
+  std::size_t dimensionFor(std::size_t first, std::size_t last, int depth) const {
     std::array<double, kDimensions> variance;
     const std::size_t step = std::max<std::size_t>(1, (last - first) / 64);
-    for (int d = 0; d < kDimensions; ++d) {
+    for (std::size_t d = 0; d < kDimensions; ++d) {
       double sum = 0, squares = 0, n = 0;
       for (std::size_t i = first; i < last; i += step, ++n) {
         const double v = value(patches_[i], d);
         sum += v;
         squares += v * v;
       }
-      variance[static_cast<std::size_t>(d)] = squares / n - (sum / n) * (sum / n);
+      variance[d] = squares / n - (sum / n) * (sum / n);
     }
     const auto widest = std::max_element(variance.begin(), variance.end());
-    const auto at = static_cast<int>(widest - variance.begin());
+    const auto at = static_cast<std::size_t>(widest - variance.begin());
     if (tree_ == 0 || (depth + tree_) % 3 != 0) return at;
     *widest = -1;
-    return static_cast<int>(std::max_element(variance.begin(), variance.end()) - variance.begin());
+    return static_cast<std::size_t>(std::max_element(variance.begin(), variance.end()) -
+                                    variance.begin());
   }
 
   void split(std::size_t first, std::size_t last, int depth) {  // NOLINT(misc-no-recursion)
@@ -102,7 +103,7 @@ class Leaves {
       starts_.push_back(first);
       return;
     }
-    const int d = dimensionFor(first, last, depth);
+    const std::size_t d = dimensionFor(first, last, depth);
     // Not always the middle, so that the leaves of two trees have other borders.
     const std::size_t middle =
         first + (last - first) * static_cast<std::size_t>(8 + tree_ % 3) / 17;
