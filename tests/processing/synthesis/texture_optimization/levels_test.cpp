@@ -41,6 +41,7 @@ TEST(Levels, FindWhetherAWholePatchIsLeft) {
   mask[3 * 9 + 4] = 0;
   EXPECT_FALSE(holdsPatch(mask, {9, 8}, 5));
   EXPECT_TRUE(holdsPatch(mask, {9, 8}, 3));
+  EXPECT_TRUE(holdsPatch(std::vector<std::uint8_t>(49, 1), {7, 7}, 7));
   EXPECT_FALSE(holdsPatch({}, {4, 8}, 5));
 }
 
