@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina synth optimize: a larger texture from a picture or a TTF, by texture optimisation.
 #include <algorithm>
+#include <cmath>
 
 #include "capture/app/verbs/optimize_options.h"
 #include "capture/app/verbs/synth_verbs.h"
@@ -65,9 +66,10 @@ optimization::OptimizedField optimizePicture(const Options& options, Context& co
     return std::move(larger.field);
   }
   Image<std::uint8_t> encoded(size.width, size.height, larger.picture.channels());
-  std::transform(
-      larger.picture.texels().begin(), larger.picture.texels().end(), encoded.texels().begin(),
-      [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f); });
+  std::transform(larger.picture.texels().begin(), larger.picture.texels().end(),
+                 encoded.texels().begin(), [](float v) {
+                   return static_cast<std::uint8_t>(std::lrint(std::clamp(v, 0.0f, 1.0f) * 255));
+                 });
   writePng(options.out, encoded.view());
   return std::move(larger.field);
 }

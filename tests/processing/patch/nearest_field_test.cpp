@@ -13,6 +13,11 @@ namespace {
 
 constexpr int kSource = 40, kTarget = 90;
 
+std::size_t indexOf(int x, int y, int width) {
+  const int index = y * width + x;
+  return static_cast<std::size_t>(index);
+}
+
 // Soft blobs: patches that continue one another.
 Image<std::int16_t> blobs() {
   Image<std::int16_t> out(kSource, kSource, 8);
@@ -20,7 +25,7 @@ Image<std::int16_t> blobs() {
     for (int x = 0; x < kSource; ++x)
       for (int c = 0; c < 3; ++c)
         out.at(x, y, c) = static_cast<std::int16_t>(
-            700 / (1 + c) * (std::sin(0.5 * x + c) + std::sin(0.37 * y - 0.2 * x + 2 * c)));
+            700.0 / (1 + c) * (std::sin(0.5 * x + c) + std::sin(0.37 * y - 0.2 * x + 2 * c)));
   return out;
 }
 
@@ -95,7 +100,7 @@ TEST(NearestField, UsesTheSourceMoreEvenlyTheMoreThatCounts) {
 TEST(NearestField, ShowsNoPatchThatCoversAMaskedTexel) {
   std::vector<std::uint8_t> usable(kSource * kSource, 1);
   for (int y = 10; y < 20; ++y)
-    for (int x = 5; x < 30; ++x) usable[static_cast<std::size_t>(y * kSource + x)] = 0;
+    for (int x = 5; x < 30; ++x) usable[indexOf(x, y, kSource)] = 0;
   for (const SearchKind search : {SearchKind::kCoherent, SearchKind::kPatchMatch})
     for (const std::int32_t centre :
          optimised({.search = search, .similar = {}}, 2, {.usable = usable}).centres)
@@ -120,8 +125,7 @@ double joinOf(const Outcome& out) {
   const Image<std::int16_t> source = blobs();
   const auto value = [&](int x, int y) {
     return static_cast<double>(
-        source.texels()[8 * static_cast<std::size_t>(
-                                out.centres[static_cast<std::size_t>(y * kTarget + x)])]);
+        source.texels()[8 * static_cast<std::size_t>(out.centres[indexOf(x, y, kTarget)])]);
   };
   double join = 0, inside = 0;
   for (int i = 0; i < kTarget; ++i) {
@@ -158,7 +162,7 @@ TEST(NearestField, FollowsItsGuide) {
   double off = 0;
   for (int y = 0; y < kTarget; ++y)
     for (int x = 0; x < kTarget; ++x)
-      off += std::abs(field.centres()[static_cast<std::size_t>(y * kTarget + x)] % kSource -
+      off += std::abs(field.centres()[indexOf(x, y, kTarget)] % kSource -
                       static_cast<double>(y) * kSource / kTarget);
   EXPECT_LT(off / (kTarget * kTarget), 3);
 }

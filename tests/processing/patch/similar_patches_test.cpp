@@ -18,9 +18,9 @@ Image<std::int16_t> noise(int side) {
 }
 
 std::vector<std::uint8_t> inside(int side) {
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(side * side), 0);
-  for (int y = 2; y < side - 2; ++y)
-    for (int x = 2; x < side - 2; ++x) out[static_cast<std::size_t>(y * side + x)] = 1;
+  std::vector<std::uint8_t> out;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) out.push_back(x >= 2 && x < side - 2 && y >= 2 && y < side - 2);
   return out;
 }
 

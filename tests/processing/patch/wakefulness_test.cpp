@@ -9,7 +9,10 @@ namespace patina::patch {
 namespace {
 
 constexpr SizePx kSize{9, 7};
-std::size_t at(int x, int y) { return static_cast<std::size_t>(y * kSize.width + x); }
+std::size_t at(int x, int y) {
+  const int index = y * kSize.width + x;
+  return static_cast<std::size_t>(index);
+}
 
 int awakeOf(const Wakefulness& w) {
   int count = 0;

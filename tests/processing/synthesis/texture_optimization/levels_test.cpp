@@ -27,8 +27,9 @@ TEST(Levels, UseATexelWhereAllBeneathMayBeUsed) {
 
 TEST(Levels, KeepATexelWhereAllBeneathAreKept) {
   std::vector<std::int32_t> kept(8 * 4, -1);
-  for (const int x : {2, 3})
-    for (const int y : {0, 1}) kept[static_cast<std::size_t>(y * 8 + x)] = (y + 4) * 20 + x + 6;
+  for (const std::size_t x : {2u, 3u})
+    for (const std::size_t y : {0u, 1u})
+      kept[y * 8 + x] = static_cast<std::int32_t>((y + 4) * 20 + x + 6);
   kept[0] = 5;
   const std::vector<std::int32_t> smaller = keptBeneath(kept, {8, 4}, {4, 2}, {20, 20}, {10, 10});
   EXPECT_EQ(smaller[1], 2 * 10 + 4);
@@ -57,10 +58,9 @@ TEST(Levels, ScatterCentresOverAllOfTheSource) {
   ASSERT_EQ(centres.size(), 3600u);
   std::vector<int> uses(12 * 9, 0);
   for (const std::int32_t c : centres) ++uses[static_cast<std::size_t>(c)];
-  for (int y = 0; y < 9; ++y)
-    for (int x = 0; x < 12; ++x)
-      EXPECT_EQ(uses[static_cast<std::size_t>(y * 12 + x)] > 0,
-                x >= 2 && x < 10 && y >= 2 && y < 7);
+  for (std::size_t y = 0; y < 9; ++y)
+    for (std::size_t x = 0; x < 12; ++x)
+      EXPECT_EQ(uses[y * 12 + x] > 0, x >= 2 && x < 10 && y >= 2 && y < 7);
 }
 
 }  // namespace

@@ -55,12 +55,12 @@ TEST(Optimize, ShowsNothingOfAMaskedTexelAndKeepsWhatIsKept) {
   const Image<float> sample = features();
   Constraints constraints;
   constraints.usable.assign(48 * 48, 1);
-  for (int y = 5; y < 16; ++y)
-    for (int x = 20; x < 40; ++x) constraints.usable[static_cast<std::size_t>(y * 48 + x)] = 0;
+  for (std::size_t y = 5; y < 16; ++y)
+    for (std::size_t x = 20; x < 40; ++x) constraints.usable[y * 48 + x] = 0;
   constraints.kept.assign(100 * 80, -1);
-  for (int y = 0; y < 30; ++y)
-    for (int x = 0; x < 40; ++x)
-      constraints.kept[static_cast<std::size_t>((y + 20) * 100 + x + 30)] = (y + 17) * 48 + x;
+  for (std::size_t y = 0; y < 30; ++y)
+    for (std::size_t x = 0; x < 40; ++x)
+      constraints.kept[(y + 20) * 100 + x + 30] = static_cast<std::int32_t>((y + 17) * 48 + x);
   const OptimizedField field = optimize(sample.view(), shortly({100, 80}), constraints, progress);
   // Each texel tells where it is from.
   Image<float> place(48, 48, 1);
