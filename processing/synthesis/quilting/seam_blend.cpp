@@ -44,7 +44,9 @@ class Seams {
     return !quilt_.isWhole(x, y, static_cast<int>(to % width()), static_cast<int>(to / width()),
                            kStepX[d], kStepY[d]);
   }
-  // Adds J(p,q): the mean of what q's copy lacks of p's going on, and the other way round.
+  // Adds J(p,q): by how much q departs from what p's source goes on with, p the upper or left one;
+  // or, where that ends, p from what lies before q's. Of one source, not the mean of both: a mean
+  // of two gradients is fainter than either, and a smooth line is a seam too.
   void addJump(int x, int y, int d, std::int64_t to, float* out) const {
     const std::int32_t *p = source_.data + 2 * (static_cast<std::int64_t>(y) * width() + x),
                        *q = source_.data + 2 * to;
@@ -57,8 +59,10 @@ class Seams {
     const float* fq = shown(by_q, q[0], q[1], 1, room);
     const float* p_on = on ? shown(by_p, p[0] + kStepX[d], p[1] + kStepY[d], 2, room) : fp;
     const float* q_back = back ? shown(by_q, q[0] - kStepX[d], q[1] - kStepY[d], 3, room) : fq;
+    const bool is_first = d < 2;  // p, seen from here
+    const bool by_own = is_first ? on : on && !back;
     for (int k = 0; k < features_.channels; ++k)
-      out[k] += 0.5f * ((fq[k] - p_on[k]) + (q_back[k] - fp[k]));
+      out[k] += by_own ? fq[k] - p_on[k] : q_back[k] - fp[k];
   }
   int channels() const { return features_.channels; }
 

@@ -23,8 +23,9 @@ namespace patina::quilting {
 namespace {
 
 constexpr int kFramesMeasured = 9;
-constexpr double kSeamRatioWanted = 1.03, kSeamRatioSmooth = 0.9;  // of the median frame
-constexpr double kSeamRatioWorst = 1.1, kBlendNear = 1.05;
+constexpr double kSeamRatioWanted = 1.03;  // of single texels, the median frame's
+constexpr double kAreaRatioWanted = 1.4;   // of areas, the worst frame's: below, none is seen
+constexpr double kBlendNear = 1.05;
 constexpr double kBlendLeastPx = 0.125, kBlendMostPx = 32;
 constexpr int kBlendSteps = 6, kAreaRadiusPx = 4;
 constexpr std::int64_t kRemapBytes = 512 << 20;  // copies alone go by layers up to this size
@@ -133,20 +134,18 @@ SeamFigures seamFigures(const ResultFrames& frames, const Quilt& quilt) {
   return figures;
 }
 
-// The least reach under which seams of no frame are much steeper than the rest, or,
-// where none does so, which comes near the best; but none that makes them smoother than the rest.
-// Figures fall with the reach.
+// The least reach under which seams are no steeper than the rest, nor steps between areas seen in
+// any frame; or, where none does so, which comes near the best. Figures fall with the reach.
 double leastBlend(const std::function<SeamFigures(double blend_px)>& figures) {
   const auto excess = [&](const SeamFigures& f) {
-    return std::max(f.median - kSeamRatioWanted, f.worst - kSeamRatioWorst);
+    return std::max(f.median - kSeamRatioWanted, f.worst - kAreaRatioWanted);
   };
   if (excess(figures(0)) <= 0) return 0;
   const double allowed = std::max(0.0, kBlendNear * excess(figures(kBlendMostPx)));
   double low = std::log2(kBlendLeastPx), high = std::log2(kBlendMostPx);
   for (int step = 0; step < kBlendSteps; ++step) {
     const double middle = (low + high) / 2;
-    const SeamFigures f = figures(std::exp2(middle));
-    (excess(f) > allowed && f.median > kSeamRatioSmooth ? low : high) = middle;
+    (excess(figures(std::exp2(middle))) > allowed ? low : high) = middle;
   }
   return std::exp2(high);
 }
