@@ -47,7 +47,7 @@ void writePhotograph(const std::filesystem::path& path, const std::filesystem::p
 }
 
 struct Row {
-  double cut = 0, recut = 0, blended = 0, wrapped = 0, blend_px = 0;
+  double cut = 0, recut = 0, blended = 0, wrapped = 0, areas = 0, blend_px = 0;
 };
 
 Row measure(const TempFolder& folder, const std::string& name, SizePx size) {
@@ -66,11 +66,12 @@ Row measure(const TempFolder& folder, const std::string& name, SizePx size) {
   o.blend_auto = true;
   const QuiltingReport blended = quiltTtf(input, o, folder / "out.h5", "{}", progress);
   row.blended = blended.seam_ratio_frames;
+  row.areas = blended.seam_ratio_worst;
   row.blend_px = blended.blend_px;
   o.tile = true;
   row.wrapped = ratio();
-  std::printf("%-18s %6.2f %6.2f %6.2f %6.2f %6.1f\n", name.c_str(), row.cut, row.recut,
-              row.blended, row.wrapped, row.blend_px);
+  std::printf("%-18s %6.2f %6.2f %6.2f %6.2f %6.2f %6.1f\n", name.c_str(), row.cut, row.recut,
+              row.blended, row.wrapped, row.areas, row.blend_px);
   std::fflush(stdout);
   return row;
 }
@@ -82,7 +83,9 @@ TEST(SeamTable, OfAllSpecimensAndTwoPhotographs) {
   std::printf(
       "gradient across seams / inside, median over frames: copies cut as laid, all seams cut "
       "anew,\n"
-      "corrected as far as needed, the same wrapped around; reach of the correction in px\n");
+      "corrected as far as needed, the same wrapped around; of areas, in the worst frame, "
+      "corrected;\n"
+      "reach of the correction in px\n");
   std::vector<std::string> names{"steel_rusting"};
   if (all)
     names = {"banana_ripening",   "copper_patination", "grass_growth", "paint_cracking",
@@ -90,8 +93,10 @@ TEST(SeamTable, OfAllSpecimensAndTwoPhotographs) {
   const auto judge = [&](const Row& row, const std::string& name) {
     EXPECT_LE(row.recut, 1.05 * row.cut) << name;  // the cheaper cut need not have the lower ratio
     if (!all) return;
-    EXPECT_NEAR(row.blended, 1, 0.1) << name;
-    EXPECT_NEAR(row.wrapped, 1, 0.1) << name;
+    // Below 1 it may be: cuts run where the material is calm.
+    EXPECT_LE(row.blended, 1.1) << name;
+    EXPECT_LE(row.wrapped, 1.1) << name;
+    EXPECT_LE(row.areas, 1.6) << name;
   };
   for (const std::string& name : names) {
     writeSpecimen(folder / "in.h5", name, c);
