@@ -87,8 +87,7 @@ float boundsPlain(const BoundRow& in, int count, float* bounds) {
 [[gnu::target("avx2")]] float squaredDifferenceAvx2(const float* a, const float* b, int count) {
   return squaredDifferenceInLanes(a, b, count);
 }
-[[gnu::target("avx2"), gnu::optimize("O3")]] float boundsAvx2(const BoundRow& in, int count,
-                                                              float* bounds) {
+[[gnu::target("avx2")]] float boundsAvx2(const BoundRow& in, int count, float* bounds) {
   return boundsInLanes(in, count, bounds);
 }
 const SquaredDifference squaredDifference =
