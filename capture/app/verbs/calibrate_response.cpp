@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// patina calibrate response: which light each code of an 8-bit camera stands for.
+// patina calibrate response | hdr: which light each code of an 8-bit camera stands for; brackets
+// merged.
 #include <sstream>
 
 #include "capture/app/context.h"
 #include "capture/app/verbs/calibrate_verbs.h"
+#include "capture/workflow/hdr_folder.h"
 #include "capture/workflow/response_calibration.h"
+#include "processing/image/picture_file.h"
 
 namespace patina::app {
 namespace {
@@ -51,6 +54,41 @@ void measure(Context& context, Options& options) {
   context.out.add(std::move(item));
 }
 
+struct HdrOptions {
+  workflow::HdrRequest request;
+  std::string folder, response, out;
+};
+
+void merge(Context& context, HdrOptions& options) {
+  workflow::HdrRequest& request = options.request;
+  request.folder = options.folder;
+  request.response = options.response;
+  const workflow::HdrOutcome outcome = workflow::mergeFolder(request, context.progress);
+  writeExr(options.out, outcome.light.view());
+  context.out.asList();
+  context.out.add(std::move(Item()
+                                .set("path", options.out.c_str())
+                                .set("exposures", outcome.exposures)
+                                .set("shortest_s", Value{outcome.shortest_s})
+                                .set("longest_s", Value{outcome.longest_s})
+                                .set("saturated_samples", outcome.saturated)
+                                .set("disagreement", Value{outcome.disagreement})));
+}
+
+void addHdr(Verb& group) {
+  auto o = std::make_shared<HdrOptions>();
+  group
+      .verb("hdr", "Brackets of a still scene to one linear picture of more range",
+            "patina calibrate hdr brackets/ scene.exr",
+            [o](Context& context) { merge(context, *o); })
+      .required("FOLDER", o->folder, "Raw files or pictures that differ in exposure alone")
+      .required("OUT", o->out, "The picture to write: .exr; 1 is full scale of the shortest")
+      .option("--times", o->request.exposures_s, parseTimes, "LIST",
+              "Their exposures in order of name (default: as their EXIF data say)")
+      .option("--response", o->response, "FILE.exr",
+              "Of an 8-bit camera, by calibrate response (default: sRGB)");
+}
+
 }  // namespace
 
 void addCalibrateResponse(Verb& group) {
@@ -67,6 +105,7 @@ void addCalibrateResponse(Verb& group) {
       .option("--block", o->request.options.block_px, 0, 64,
               "Side in pixels of the even blocks that refine it; 0: not at all")
       .option("--camera", o->request.camera, "ID", "The camera they were taken with");
+  addHdr(group);
 }
 
 }  // namespace patina::app

@@ -31,5 +31,19 @@ TEST_F(CalibrateResponse, AsksForTimesAndRefusesWhatAreNoBrackets) {
   EXPECT_LT(response.number("/items/0/residual"), 0.05);
 }
 
+TEST_F(CalibrateResponse, MergesBracketsOfAFolderIntoOnePicture) {
+  std::filesystem::create_directories(place("b"));
+  for (int i = 0; i < 2; ++i) {
+    const Image<std::uint8_t> codes(64, 48, 3, static_cast<std::uint8_t>(i == 0 ? 100 : 188));
+    writePng(place("b/" + std::to_string(i) + ".png"), codes.view());
+  }
+  EXPECT_EQ(patina({"calibrate", "hdr", place("b"), place("x.exr")}).exit, 64);
+  EXPECT_FALSE(std::filesystem::exists(place("x.exr")));
+  const JsonAnswer merged =
+      answer({"calibrate", "hdr", place("b"), place("x.exr"), "--times", "1/4,1s"});
+  EXPECT_EQ(merged.number("/items/0/exposures"), 2);
+  EXPECT_NEAR(readPicture(place("x.exr")).linear.at(3, 3, 1), 0.13, 0.01);
+}
+
 }  // namespace
 }  // namespace patina::testing
