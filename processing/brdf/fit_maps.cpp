@@ -17,7 +17,7 @@ struct Pool {
 };
 
 constexpr int kRingsOfNeighbours = 6;
-constexpr float kLeastSpread2 = 0.03f * 0.03f;  // of ln r among neighbours
+constexpr float kLeastSpread2 = 0.06f * 0.06f;  // of ln r among neighbours
 constexpr double kLeastSpecularSpread2 = 0.003 * 0.003;
 constexpr double kBeforeSpecularSpread2 = 0.01 * 0.01;
 constexpr float kBeforeSpread2 = 0.1f * 0.1f;  // of ln r from one time step to the next

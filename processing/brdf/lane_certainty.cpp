@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How far lights tell a texel's gloss: variances out of the normal equations.
+#include <algorithm>
 #include <cmath>
 
 #include "processing/brdf/fit_lanes.h"
@@ -26,6 +27,7 @@ struct Linear {
 
 struct Variances {
   double specular = HUGE_VAL, u = HUGE_VAL;
+  double slope = 0;  // -d ks / d ln r, kd and the normal's part as they fit best then
 };
 // With `ks_weight` of the prior of ks taken off again.
 Variances variancesOf(const Estimate& at, const Equations& q, double ks_weight, int k) {
@@ -50,7 +52,7 @@ Variances variancesOf(const Estimate& at, const Equations& q, double ks_weight, 
   return {own.ibb + (k1 * k1 * c11 + k2 * k2 * c22 + ku * ku * cuu +
                      2 * (k1 * k2 * c12 + k1 * ku * c1u + k2 * ku * c2u)) /
                         det,
-          cuu / det};
+          cuu / det, ku};
 }
 
 }  // namespace
@@ -60,7 +62,10 @@ Certainty certaintyOf(const Estimate& at, const Equations& q, const Prior& prior
   if (!(at.ks[k] > 0)) return {};
   const Variances own = variancesOf(at, q, prior.ks_weight[k], k), all = variancesOf(at, q, 0, k);
   const double var_r = std::exp(2.0 * at.u[k]) * all.u * spread2;
-  const double off = all.specular * spread2 / (kSpecularSigma * kSpecularSigma) +
+  // Neighbours' specular strengths have the roughness of one pool: what it is off by, all of them
+  // are off by together, however many they are.
+  const double specular = std::max(all.specular, own.slope * own.slope * own.u);
+  const double off = specular * spread2 / (kSpecularSigma * kSpecularSigma) +
                      var_r / (kRoughnessSigma * kRoughnessSigma);
   Certainty certainty;
   certainty.confidence = off >= 0 ? 1 / (1 + off) : 0;

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/capture/workflow/small_run.h"
+#include "tests/capture/workflow/dome_run.h"
 
 namespace patina::workflow {
 namespace {
@@ -53,6 +53,23 @@ TEST_F(AfterRun, MakesAgainWhatSomebodyDeleted) {
   const auto products = finish({"ttf"});
   EXPECT_TRUE(products[0].made);
   EXPECT_FALSE(products[1].made);
+}
+
+TEST(AfterADomesRun, ReflectanceAndItsAgeingAreMadeOnceAndGoOnFromWhatWasFed) {
+  const TempFolder folder = TempFolder::inMemory();
+  const std::string run = testing::makeDomeRun(folder.path(), 3);
+  AfterOptions options;
+  options.steps = {"stbrdf"};
+  options.lamps = testing::domeRig();
+  Progress progress;
+  feedRun(folder.path(), run, options, progress);
+  EXPECT_TRUE(db::ArchiveReader(folder.path()).products("brdf").empty());
+  const auto products = finishRun(folder.path(), run, options, testing::now, progress);
+  ASSERT_EQ(products.size(), 2u);
+  EXPECT_EQ(products[0].kind, "brdf");
+  EXPECT_EQ(products[1].kind, "stbrdf");
+  for (const AfterProduct& product : finishRun(folder.path(), run, options, testing::now, progress))
+    EXPECT_FALSE(product.made);
 }
 
 TEST_F(AfterRun, DoesNothingUnlessAsked) { EXPECT_TRUE(finish({}).empty()); }

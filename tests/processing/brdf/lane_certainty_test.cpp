@@ -50,13 +50,32 @@ TEST(LaneCertainty, NeighboursMakeATexelSureButDoNotPassForItsOwnInformation) {
     for (int k = 0; k < kLanes; ++k) samples.weight[i][k] = samples.noise[i][k] = 1e4f;
   Estimate at = truthOf({0.3f, 0.1f, 0.3f}), held = at;
   Prior prior;
-  for (int k = 0; k < kLanes; ++k) prior.ks[k] = 0.1f, prior.ks_weight[k] = 1e5f;
+  for (int k = 0; k < kLanes; ++k) {
+    prior.ks[k] = 0.1f, prior.ks_weight[k] = 1e5f;
+    prior.u[k] = at.u[k], prior.u_weight[k] = 1e4f;
+  }
   Equations free, q;
   evaluate(Model::kGgx, samples, at, noPrior(), free);
   evaluate(Model::kGgx, samples, held, prior, q);
   const Certainty alone = certaintyOf(at, free, noPrior(), 1, 2),
                   together = certaintyOf(held, q, prior, 1, 2);
   EXPECT_GT(together.confidence, 2 * alone.confidence);
+}
+
+// What neighbours say of the strength was found with the roughness of one pool.
+TEST(LaneCertainty, OfAStrengthIsNoSurerThanWhatItsRoughnessLeavesOpen) {
+  Samples samples = plant({0.3f, 0.1f, 0.3f}, 8);
+  for (std::size_t i = 0; i < samples.count; ++i)
+    for (int k = 0; k < kLanes; ++k) samples.weight[i][k] = samples.noise[i][k] = 1e4f;
+  Estimate at = truthOf({0.3f, 0.1f, 0.3f}), held = at;
+  Prior prior;
+  for (int k = 0; k < kLanes; ++k) prior.ks[k] = 0.1f, prior.ks_weight[k] = 1e7f;
+  Equations free, q;
+  evaluate(Model::kGgx, samples, at, noPrior(), free);
+  evaluate(Model::kGgx, samples, held, prior, q);
+  const Certainty alone = certaintyOf(at, free, noPrior(), 1, 2),
+                  together = certaintyOf(held, q, prior, 1, 2);
+  EXPECT_LT(together.confidence, 2 * alone.confidence);
   EXPECT_NEAR(together.specular_weight, alone.specular_weight, 0.05 * alone.specular_weight);
 }
 
