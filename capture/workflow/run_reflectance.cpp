@@ -283,23 +283,10 @@ class RunFit {
                               static_cast<std::int64_t>(lights), report});
   }
 
-  Image<float> meansOf(ImageView<const float> pixels) const {
-    const int n = request_.bin;
-    if (n == 1) return copyOf<float>(pixels);
-    Image<float> out(pixels.width / n, pixels.height / n, pixels.channels);
-    const auto share = 1 / static_cast<float>(n * n);
-    forEachRow(out.height(), std::int64_t{pixels.width} * n, [&](int y) {
-      for (int v = n * y; v < n * (y + 1); ++v)
-        for (int x = 0; x < out.width() * n; ++x)
-          for (int c = 0; c < out.channels(); ++c)
-            out.at(x / n, y, c) += share * pixels.at(x, v, c);
-    });
-    return out;
-  }
-
   // The region, as if a lamp of the model's own fall-off lit it.
   Image<float> pictureOf(const Image<float>& frame, const StateLight& state) const {
-    Image<float> picture = meansOf(ImageView<const float>(frame.view()).crop(region_));
+    Image<float> picture =
+        meansOfPixels(ImageView<const float>(frame.view()).crop(region_), request_.bin);
     const SizePx size = picture.size();
     const int channels = picture.channels();
     const auto scale = static_cast<float>(state.even ? 1 : 1 / state.white_level);

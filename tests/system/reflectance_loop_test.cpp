@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One plan, rehearsed: reflectance and its ageing through archive and calibration, by itself, held
-// against the twin's truth. PATINA_REFLECTANCE_STEPS and _SIDE make it long; it prints its table.
+// against the twin's truth. It prints a row of the table in docs/reflectance.md;
+// with PATINA_REFLECTANCE_STEPS, of all seven specimens (_SIDE, _BIN: pixels of frame and texel).
 #include "tests/system/reflectance_loop.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 #include "processing/stbrdf/stbrdf_file.h"
 #include "tests/support/child.h"
@@ -25,7 +27,7 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   Loop loop;
   loop.specimen = GetParam();
   loop.side_px = setting("PATINA_REFLECTANCE_SIDE", 192);
-  loop.bin = setting("PATINA_REFLECTANCE_BIN", 3);
+  loop.bin = setting("PATINA_REFLECTANCE_BIN", 4);
   loop.steps = setting("PATINA_REFLECTANCE_STEPS", 3);
   loop.shadows = setting("PATINA_REFLECTANCE_SHADOWS", 1) != 0;
   const TempFolder folder = TempFolder::inMemory();
@@ -42,13 +44,24 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   std::fflush(stdout);
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
+  // Of the others docs/reflectance.md tells what misses and why.
+  if (loop.specimen == "banana_ripening" || loop.specimen == "wood_drying") {
+    EXPECT_LE(s.diffuse_rms, 0.015);
+    EXPECT_LE(s.normal_median_deg, 0.2);
+    EXPECT_LE(s.sure_specular_rms, 0.02);
+    EXPECT_LE(s.sure_alpha_rms, 0.03);
+    EXPECT_GE(s.psnr_db, 38);
+  }
   EXPECT_EQ(ageing.degree, std::min(loop.degree, loop.steps - 1));
 }
 
-INSTANTIATE_TEST_SUITE_P(Specimens, ReflectanceLoop,
-                         ::testing::Values("banana_ripening", "copper_patination", "grass_growth",
-                                           "paint_cracking", "snow_accumulation", "steel_rusting",
-                                           "wood_drying"),
+// The short form: one specimen.
+std::vector<const char*> specimens() {
+  if (std::getenv("PATINA_REFLECTANCE_STEPS") == nullptr) return {"banana_ripening"};
+  return {"banana_ripening",   "copper_patination", "grass_growth", "paint_cracking",
+          "snow_accumulation", "steel_rusting",     "wood_drying"};
+}
+INSTANTIATE_TEST_SUITE_P(Specimens, ReflectanceLoop, ::testing::ValuesIn(specimens()),
                          [](const auto& about) { return std::string(about.param); });
 
 }  // namespace
