@@ -150,8 +150,8 @@ double leastBlend(const std::function<SeamFigures(double blend_px)>& figures) {
   return std::exp2(high);
 }
 
-void writeFrames(const ResultFrames& frames, ttf::TtfInfo info, const std::filesystem::path& out,
-                 Progress& progress) {
+void writeFrames(const ResultFrames& frames, const ttf::TtfInfo& info,
+                 const std::filesystem::path& out, Progress& progress) {
   const std::vector<double> time_s = info.time_s;
   ttf::TtfWriter writer(out, info);
   progress.begin("frames", frames.count());
@@ -216,7 +216,7 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
   info.width = options.size.width;
   info.height = options.size.height;
   info.provenance_json = provenance_json;
-  writeFrames(frames, std::move(info), out, progress);
+  writeFrames(frames, info, out, progress);
   return result.report;
 }
 
