@@ -20,12 +20,14 @@ constexpr std::array<int, 4> kStepX{1, 0, -1, 0}, kStepY{0, 1, 0, -1};
 // The result's texels as a graph that may wrap around.
 class Seams {
  public:
-  Seams(ImageView<const float> features, const Quilt& quilt, bool wraps, const TimeWarps* warps)
+  Seams(ImageView<const float> features, const Quilt& quilt, bool wraps, const TimeWarps* warps,
+        double one_sided)
       : features_(features),
         quilt_(quilt),
         source_(quilt.source_xy.view()),
         wraps_(wraps),
-        warps_(warps) {}
+        warps_(warps),
+        one_sided_(static_cast<float>(one_sided)) {}
 
   int width() const { return source_.width; }
   int height() const { return source_.height; }
@@ -44,9 +46,8 @@ class Seams {
     return !quilt_.isWhole(x, y, static_cast<int>(to % width()), static_cast<int>(to / width()),
                            kStepX[d], kStepY[d]);
   }
-  // Adds J(p,q): by how much q departs from what p's source goes on with, p the upper or left one;
-  // or, where that ends, p from what lies before q's. Of one source, not the mean of both: a mean
-  // of two gradients is fainter than either, and a smooth line is a seam too.
+  // Adds J(p,q): by how much q departs from what p's source goes on with, p the upper or left one
+  // (or, where that ends, p from what lies before q's), and the mean of both, by their shares.
   void addJump(int x, int y, int d, std::int64_t to, float* out) const {
     const std::int32_t *p = source_.data + 2 * (static_cast<std::int64_t>(y) * width() + x),
                        *q = source_.data + 2 * to;
@@ -62,7 +63,8 @@ class Seams {
     const bool is_first = d < 2;  // p, seen from here
     const bool by_own = is_first ? on : on && !back;
     for (int k = 0; k < features_.channels; ++k)
-      out[k] += by_own ? fq[k] - p_on[k] : q_back[k] - fp[k];
+      out[k] += one_sided_ * (by_own ? fq[k] - p_on[k] : q_back[k] - fp[k]) +
+                (1 - one_sided_) * 0.5f * ((fq[k] - p_on[k]) + (q_back[k] - fp[k]));
   }
   int channels() const { return features_.channels; }
 
@@ -84,6 +86,7 @@ class Seams {
   ImageView<const std::int32_t> source_;
   bool wraps_;
   const TimeWarps* warps_;
+  float one_sided_;
 };
 
 // 1 where a seam lies within `reach` texels along both axes.
@@ -192,8 +195,10 @@ class Relaxation {
 }  // namespace
 
 Image<float> seamCorrection(ImageView<const float> features, const Quilt& quilt, double blend_px,
-                            bool wraps, Progress& progress, const TimeWarps* warps) {
-  const Seams seams(features, quilt, wraps, warps);
+                            bool wraps, Progress& progress, const TimeWarps* warps,
+                            double one_sided) {
+  PATINA_CHECK(one_sided >= 0 && one_sided <= 1);
+  const Seams seams(features, quilt, wraps, warps, one_sided);
   return Relaxation(seams, blend_px, wraps).solve(progress);
 }
 
@@ -214,7 +219,7 @@ SeamBlend::SeamBlend(const Image<float>& correction, const TtfFeatures& features
 
 std::uint16_t SeamBlend::moved(std::uint16_t sample, float by) const {
   const float display = std::clamp(display_[sample] + by, 0.0f, 1.0f);
-  return sample_[static_cast<int>(display * 65535 + 0.5f)];
+  return sample_[static_cast<std::size_t>(std::lround(display * 65535))];
 }
 float SeamBlend::moved(float sample, float by) const {
   if (!(sample >= 0 && sample <= 1)) return sample;  // beyond what is displayed

@@ -17,10 +17,14 @@ namespace patina::quilting {
 
 // c [h][w][k] of the result, to be added to the copied features: least squares of
 // sum over neighbours (c(q) - c(p) + J(p,q))^2 + sum of c^2 / blend_px^2, where J is by how much a
-// seam departs from what both sources go on with; 0 inside copies. c falls off by 1/e in blend_px
+// seam departs from what its sources go on with; 0 inside copies. c falls off by 1/e in blend_px
 // texels and is exactly 0 farther than 3 blend_px from any seam. Memory: 3 result-sized features.
+//
+// `one_sided` in [0,1]: 1, a seam goes on as one of its sources does; 0, as their mean, which is
+// fainter than either, so that a seam may be a smooth line; between, both by their shares.
 Image<float> seamCorrection(ImageView<const float> features, const Quilt& quilt, double blend_px,
-                            bool wraps, Progress& progress, const TimeWarps* warps = nullptr);
+                            bool wraps, Progress& progress, const TimeWarps* warps = nullptr,
+                            double one_sided = 1);
 
 // Adds a correction to frames of the result. Where it is 0 samples stay bit for bit.
 class SeamBlend {

@@ -58,7 +58,7 @@ class Tiles {
     if (source.isCoded())
       for (int code = 0; code < 256; ++code)
         display_[code] =
-            display_[static_cast<std::size_t>(65535 * linearFromSrgb(code / 255.0f) + 0.5f)];
+            display_[static_cast<std::size_t>(std::lround(65535 * linearFromSrgb(code / 255.0f)))];
     const ttf::TtfInfo& info = source.info();
     const std::int64_t row_bytes = static_cast<std::int64_t>(info.frames) * kTileTexels *
                                    info.channels * (source.isCoded() ? 1 : 2);

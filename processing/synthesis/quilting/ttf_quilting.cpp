@@ -27,7 +27,7 @@ constexpr double kSeamRatioWanted = 1.03;  // of single texels, the median frame
 constexpr double kAreaRatioWanted = 1.4;   // of areas, the worst frame's: below, none is seen
 constexpr double kBlendNear = 1.05;
 constexpr double kBlendLeastPx = 0.125, kBlendMostPx = 32;
-constexpr int kBlendSteps = 6, kAreaRadiusPx = 4;
+constexpr int kBlendSteps = 6, kShareSteps = 4, kAreaRadiusPx = 4;
 constexpr std::int64_t kRemapBytes = 512 << 20;  // copies alone go by layers up to this size
 
 // Frames of the source as they are asked for: those about the present are kept.
@@ -134,20 +134,39 @@ SeamFigures seamFigures(const ResultFrames& frames, const Quilt& quilt) {
   return figures;
 }
 
+// How a correction is made (seam_blend.h).
+struct Join {
+  double blend_px = 0, one_sided = 0;
+};
+using FiguresWith = std::function<SeamFigures(const Join&)>;
+
 // The least reach under which seams are no steeper than the rest, nor steps between areas seen in
 // any frame; or, where none does so, which comes near the best. Figures fall with the reach.
-double leastBlend(const std::function<SeamFigures(double blend_px)>& figures) {
+double leastBlend(const FiguresWith& figures) {
   const auto excess = [&](const SeamFigures& f) {
     return std::max(f.median - kSeamRatioWanted, f.worst - kAreaRatioWanted);
   };
-  if (excess(figures(0)) <= 0) return 0;
-  const double allowed = std::max(0.0, kBlendNear * excess(figures(kBlendMostPx)));
+  if (excess(figures({})) <= 0) return 0;
+  const double allowed = std::max(0.0, kBlendNear * excess(figures({kBlendMostPx})));
   double low = std::log2(kBlendLeastPx), high = std::log2(kBlendMostPx);
   for (int step = 0; step < kBlendSteps; ++step) {
     const double middle = (low + high) / 2;
-    (excess(figures(std::exp2(middle))) > allowed ? low : high) = middle;
+    (excess(figures({std::exp2(middle)})) > allowed ? low : high) = middle;
   }
   return std::exp2(high);
+}
+
+// The share by which seams go on as one of their sides, so that they are neither fainter nor
+// steeper than the rest. The figure rises with it.
+double shareOneSided(double blend_px, const FiguresWith& figures) {
+  double low = 0, high = 1;
+  if (blend_px == 0 || figures({blend_px, low}).median >= 1) return low;
+  if (figures({blend_px, high}).median <= 1) return high;
+  for (int step = 0; step < kShareSteps; ++step) {
+    const double middle = (low + high) / 2;
+    (figures({blend_px, middle}).median > 1 ? high : low) = middle;
+  }
+  return (low + high) / 2;
 }
 
 void writeFrames(const ResultFrames& frames, const ttf::TtfInfo& info,
@@ -190,20 +209,21 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
 
   std::optional<SeamBlend> blend;
   const bool restore = options.low_frequency == LowFrequencyUse::kRestore;
-  const auto framesWith = [&](double blend_px) {
+  const auto framesWith = [&](const Join& join) {
     blend.reset();
-    if (blend_px > 0)
-      blend.emplace(seamCorrection(f.features.view(), result.quilt, blend_px, options.tile,
-                                   progress, warps ? &*warps : nullptr),
+    if (join.blend_px > 0)
+      blend.emplace(seamCorrection(f.features.view(), result.quilt, join.blend_px, options.tile,
+                                   progress, warps ? &*warps : nullptr, join.one_sided),
                     f, input.info().scale);
     return ResultFrames(source, result.quilt, blend ? &*blend : nullptr, restore ? &*low : nullptr,
                         jitter.walk_frames + jitter.event_frames);
   };
-  const auto figuresWith = [&](double blend_px) {
-    return seamFigures(framesWith(blend_px), result.quilt);
+  const FiguresWith figuresWith = [&](const Join& join) {
+    return seamFigures(framesWith(join), result.quilt);
   };
-  result.report.blend_px = options.blend_auto ? leastBlend(figuresWith) : options.blend_px;
-  const ResultFrames frames = framesWith(result.report.blend_px);
+  const double blend_px = options.blend_auto ? leastBlend(figuresWith) : options.blend_px;
+  const ResultFrames frames = framesWith({blend_px, shareOneSided(blend_px, figuresWith)});
+  result.report.blend_px = blend_px;
   const SeamFigures figures = seamFigures(frames, result.quilt);
   result.report.seam_ratio_frames = figures.median;
   result.report.seam_ratio_worst = figures.worst;
