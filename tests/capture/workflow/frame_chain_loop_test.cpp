@@ -66,7 +66,7 @@ class Loop {
     return raw;
   }
   std::filesystem::path plant(const char* name, const std::vector<Bytes>& files) {
-    const std::filesystem::path to = folder_ / name;
+    std::filesystem::path to = folder_ / name;
     std::filesystem::create_directories(to);
     for (std::size_t k = 0; k < files.size(); ++k)
       writeFileAtomically(
