@@ -123,7 +123,8 @@ class Bench {
           ++asked_for_cameras;
           if (!no_camera.empty()) throw capture::CaptureError(Exit::kUnavailable, no_camera);
         },
-        dispatcher, [this](const std::string& run_id) { finished.push_back(run_id); }});
+        dispatcher, [this](const std::string& run_id) { stepped.push_back(run_id); },
+        [this](const std::string& run_id) { finished.push_back(run_id); }});
   }
 
   RunView start(const std::string& plan = "card", bool new_run = false) {
@@ -145,7 +146,7 @@ class Bench {
   int asked_for_cameras = 0;
   std::string no_rig;                                 // why the devices cannot be opened
   capture::notify::Dispatcher* dispatcher = nullptr;  // from the next open() on
-  std::vector<std::string> finished;
+  std::vector<std::string> stepped, finished;
   std::unique_ptr<db::Archive> archive;
   std::unique_ptr<RunKeeper> keeper;
 };

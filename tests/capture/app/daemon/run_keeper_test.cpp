@@ -36,6 +36,18 @@ TEST(RunKeeper, RunsAPlanToItsEndAndAsksForItsProducts) {
   EXPECT_THAT(bench.keeper->runs(), IsEmpty());
 }
 
+TEST(RunKeeper, FeedsWhatAPlanMakesOfEveryStepAndNothingWhereItAsksForNone) {
+  Bench bench;
+  testing::writeFile(bench.folder / "fed.toml", testing::readFile(bench.folder / "card.toml") +
+                                                    "\n[after]\nsteps = [\"brdf\"]\n");
+  const std::string id = bench.start("fed").id;
+  bench.watcher.waitForEnd(id);
+  EXPECT_EQ(bench.stepped, times(12, id));
+  const std::string plain = bench.start().id;
+  bench.watcher.waitForEnd(plain);
+  EXPECT_EQ(bench.stepped, times(12, id));
+}
+
 // HTTP's handlers run at nice 10, for good: capture must not.
 TEST(RunKeeper, ARunDoesNotInheritTheLowPriorityOfWhoStartsIt) {
   Bench bench;
