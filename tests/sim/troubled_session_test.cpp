@@ -256,9 +256,17 @@ TEST_P(UnknownTrouble, IsCapturedWithoutAWord) {
 INSTANTIATE_TEST_SUITE_P(Of, UnknownTrouble,
                          ::testing::Values(Trouble{"specimen", "specimen_warps", "0.1"},
                                            Trouble{"cam0", "focus_creep", "10"},
-                                           Trouble{"cam0", "insect", ""},
-                                           Trouble{"key", "lights_mirrored", ""}),
+                                           Trouble{"cam0", "insect", ""}),
                          [](const auto& trouble) { return trouble.param.kind; });
+
+TEST(TroubledSession, HoldsALampThatStandsOnTheOtherSideAllAtOnce) {
+  TroubledSession session({"key", "lights_mirrored", ""}, kLux);
+  session.sim().rig_spec.lights[0].position_mm = {-200, 150, 300};
+  session.run();
+  expectHeld(session);
+  EXPECT_THAT(session.reason(),
+              AllOf(HasSubstr("patch:cam0"), HasSubstr("is at odds with sensor:lux0")));
+}
 
 TEST(TroubledSession, KnowsOfALostFocusWhenThePatchsBorderBlursIntoThePatch) {
   TroubledSession session({"cam0", "focus_creep", "120"});  // 5 pixels in the end, and for good

@@ -21,7 +21,7 @@ struct LightVerdict {
 
 // [h][w][1] each.
 inline LightVerdict judge(const Image<float>& light, const Image<float>& truth,
-                     const Image<float>& variance, const std::vector<bool>& left_out) {
+                          const Image<float>& variance, const std::vector<bool>& left_out) {
   LightVerdict verdict;
   constexpr double kLeast = 0.05;  // of full well
   double ratio = 0;
