@@ -70,6 +70,24 @@ TEST(SeamCorrection, KeepsTheGradientsThatBothSourcesHave) {
   EXPECT_NEAR(result.at(30, 10) - result.at(29, 10), 0.1, 0.6);  // the copies' step is 6.1
 }
 
+// A corner's slope is 0.1 before the seam and 0.3 behind it.
+TEST(SeamCorrection, GoesOnAsOneSideAsTheMeanOrBetweenByTheShareAskedFor) {
+  Image<float> bent(140, 20, 1);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 1; x < 140; ++x) bent.at(x, y) = bent.at(x - 1, y) + (x < 60 ? 0.1f : 0.3f);
+  const Quilt quilt = halves(90);
+  const Image<float> copies = applyQuilt(bent.view(), quilt);
+  const auto slope = [&](double one_sided) {
+    Progress progress;
+    const Image<float> c =
+        seamCorrection(bent.view(), quilt, 200, false, progress, nullptr, one_sided);
+    return copies.at(30, 10) + c.at(30, 10) - copies.at(29, 10) - c.at(29, 10);
+  };
+  EXPECT_NEAR(slope(1), 0.1, 0.05);
+  EXPECT_NEAR(slope(0), 0.2, 0.05);
+  EXPECT_NEAR(slope(0.5), (slope(0) + slope(1)) / 2, 0.01);
+}
+
 TEST(SeamCorrection, CrossesTheEdgeWhereTheResultWraps) {
   const Image<float> result = corrected(step(), halves(90), 5, true);
   EXPECT_LT(std::abs(result.at(0, 10, 0) - result.at(59, 10, 0)), 0.15);
