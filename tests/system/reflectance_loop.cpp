@@ -210,7 +210,7 @@ int lightsWithinLobe(const std::vector<brdf::SurfaceLight>& lights, const brdf::
 
 class Judge {
  public:
-  explicit Judge(const Loop& loop) : loop_(loop), truth_(loop) {
+  explicit Judge(const Loop& loop) : truth_(loop) {
     for (int i = 0; i < lampsOf(loop); ++i) (isLeftOut(loop, i) ? left_out_ : used_).push_back(i);
     for (const int lamp : used_) lights_.push_back(truth_.light(lamp));
   }
@@ -277,7 +277,6 @@ class Judge {
     }
   }
 
-  const Loop& loop_;
   Truth truth_;
   std::vector<int> used_, left_out_;
   std::vector<brdf::SurfaceLight> lights_;
