@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "capture/workflow/failure.h"
-#include "processing/brdf/anisotropic_fit.h"
 #include "processing/brdf/picture_score.h"
 #include "processing/brdf/polynomial_map.h"
 #include "processing/brdf/relight.h"
@@ -224,9 +223,7 @@ ReflectanceOutcome fitReflectance(const ReflectanceRequest& request, Progress& p
   for (const LitPicture& one : pictures)
     if (!one.left_out) outcome.pictures.push_back(one.light.file);
   const std::vector<brdf::FitSample> samples = samplesOf(pictures);
-  outcome.fit = request.fit.model == brdf::Model::kWardAnisotropic
-                    ? brdf::fitAnisotropicWard(samples, request.fit, progress)
-                    : brdf::fitManyLights(samples, request.fit, {}, progress);
+  outcome.fit = brdf::fitManyLights(samples, request.fit, {}, progress);
   if (request.residual && pictures[0].encoded)
     outcome.residual = residualOf(pictures, outcome.fit.maps, request.fit.model, progress);
   if (samples.size() < pictures.size())

@@ -317,11 +317,8 @@ class Fitter {
 
 }  // namespace
 
-MultiLightFit fitAnisotropicWard(const std::vector<FitSample>& samples,
-                                 const MultiLightOptions& options, Progress& progress) {
-  MultiLightOptions round = options;
-  round.model = Model::kWard;
-  MultiLightFit fit = fitManyLights(samples, round, {}, progress);
+void splitRoughness(const std::vector<FitSample>& samples, const MultiLightOptions& options,
+                    MultiLightFit& fit, Progress& progress) {
   const int rows = fit.maps.diffuse.height();
   progress.begin("two roughnesses", rows);
   Fitter fitter(samples, options, fit);
@@ -330,7 +327,6 @@ MultiLightFit fitAnisotropicWard(const std::vector<FitSample>& samples,
     progress.step();
   });
   fitter.finish();
-  return fit;
 }
 
 }  // namespace patina::brdf

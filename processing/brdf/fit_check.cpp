@@ -51,8 +51,6 @@ void MultiLightOptions::check() const {
   const auto need = [](bool good, const char* what) {
     if (!good) throw ProcessingError(Exit::kUsage, what);
   };
-  need(model != Model::kWardAnisotropic,
-       "the anisotropic Ward model has a fit of its own (anisotropic_fit.h)");
   need(noise.floor > 0 && noise.shot >= 0 && noise.gain >= 0,
        "noise: the floor is above 0, shot and gain are not below 0");
   need(saturated > 0, "saturated is above 0");

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "processing/brdf/anisotropic_fit.h"
 #include "processing/brdf/fit_check.h"
 #include "processing/brdf/fit_maps.h"
 #include "processing/brdf/ggx.h"
@@ -370,10 +371,12 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
                             const std::vector<FitBefore>& before, Progress& progress) {
   options.check();
   checkSamples(samples, options, before);
-  Fitter fitter(samples, options);
+  MultiLightOptions first = options;
+  if (options.model == Model::kWardAnisotropic) first.model = Model::kWard;
+  Fitter fitter(samples, first);
   fitter.firstPass(progress);
   if (options.model != Model::kLambert && (options.neighbours || !before.empty()))
-    holdToNeighbours(fitter, before, options, progress);
+    holdToNeighbours(fitter, before, first, progress);
   MultiLightFit fit;
   fit.report = fitter.report();
   FitState& state = fitter.state();
@@ -385,6 +388,7 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   for (float& r : state.log_r.texels()) r = std::exp(r);
   fit.maps.roughness = std::move(state.log_r);
   fit.maps.extra["Confidence"] = std::move(state.confidence);
+  if (options.model == Model::kWardAnisotropic) splitRoughness(samples, options, fit, progress);
   return fit;
 }
 

@@ -15,7 +15,8 @@
 // holds them to those of like-coloured neighbours (and to `before`, other time steps), each counted
 // by its confidence.
 //
-// The normal and roughness are found on the mean of the channels, kd and ks then for each.
+// The normal and roughness are found on the mean of the channels, kd and ks then for each. The
+// anisotropic Ward model is fitted on top of the isotropic one (anisotropic_fit.h).
 // 16 texels at a time, rows in parallel (oneTBB): the same bytes for any number of threads and any
 // SIMD path. O(texels pictures).
 #pragma once
@@ -41,7 +42,7 @@ struct FitNoise {
   float floor = 0.002f, shot = 1e-5f, gain = 0.005f;
 };
 struct MultiLightOptions {
-  Model model = Model::kGgx;  // not kWardAnisotropic
+  Model model = Model::kGgx;
   FitNoise noise;
   float saturated = 0.995f;   // levels from here on are clipped
   float mm_per_texel = 1;     // for near lights

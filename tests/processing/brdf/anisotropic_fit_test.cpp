@@ -42,12 +42,12 @@ double medianTurnDeg(const Image<float>& a, const Image<float>& b) {
   return medianAngleDeg(a, same);
 }
 
-TEST(FitAnisotropicWard, RecoversBothRoughnessesAndTheirDirection) {
+TEST(SplitRoughness, RecoversBothRoughnessesAndTheirDirection) {
   const BrdfMaps truth = brushed(0.5f, 0.2f);
   const LitSurface surface = lit(truth, Model::kWardAnisotropic, dome(48), 0.002);
   Progress progress;
   const MultiLightFit fit =
-      fitAnisotropicWard(surface.samples, calmOptions(Model::kWardAnisotropic), progress);
+      fitManyLights(surface.samples, calmOptions(Model::kWardAnisotropic), {}, progress);
   EXPECT_LT(rms(fit.maps.roughness, truth.roughness), 0.03);
   EXPECT_LT(rms(fit.maps.extra.at("RoughnessY"), truth.extra.at("RoughnessY")), 0.02);
   EXPECT_LT(medianTurnDeg(fit.maps.extra.at("Tangent"), truth.extra.at("Tangent")), 2);
@@ -56,12 +56,12 @@ TEST(FitAnisotropicWard, RecoversBothRoughnessesAndTheirDirection) {
   EXPECT_LT(rms(fit.maps.specular, truth.specular), 0.02);
 }
 
-TEST(FitAnisotropicWard, KeepsARoundLobeRound) {
+TEST(SplitRoughness, KeepsARoundLobeRound) {
   BrdfMaps truth = rollingMaps(kSide, kSide, {0.2f, 0.3f});
   const LitSurface surface = lit(truth, Model::kWard, dome(48), 0.002);
   Progress progress;
   const MultiLightFit fit =
-      fitAnisotropicWard(surface.samples, calmOptions(Model::kWardAnisotropic), progress);
+      fitManyLights(surface.samples, calmOptions(Model::kWardAnisotropic), {}, progress);
   int round = 0;
   const Image<float>& across = fit.maps.extra.at("RoughnessY");
   for (std::size_t i = 0; i < across.texels().size(); ++i)
@@ -69,13 +69,13 @@ TEST(FitAnisotropicWard, KeepsARoundLobeRound) {
   EXPECT_GT(round, kSide * kSide * 95 / 100);
 }
 
-TEST(FitAnisotropicWard, RelitUnderLightsLeftOutIsCloserThanWithOneRoughness) {
+TEST(SplitRoughness, RelitUnderLightsLeftOutIsCloserThanWithOneRoughness) {
   const BrdfMaps truth = brushed(0.6f, 0.2f);
   const LitSurface surface = lit(truth, Model::kWardAnisotropic, dome(36), 0.002);
   Progress progress;
   const MultiLightFit one = fitManyLights(surface.samples, calmOptions(Model::kWard), {}, progress),
-                      two = fitAnisotropicWard(surface.samples,
-                                               calmOptions(Model::kWardAnisotropic), progress);
+                      two = fitManyLights(surface.samples, calmOptions(Model::kWardAnisotropic), {},
+                                          progress);
   BrdfSetInfo as_one, as_two;
   as_one.model = Model::kWard;
   as_two.model = Model::kWardAnisotropic;
@@ -88,12 +88,12 @@ TEST(FitAnisotropicWard, RelitUnderLightsLeftOutIsCloserThanWithOneRoughness) {
   EXPECT_LT(off_two, 0.2 * off_one);
 }
 
-TEST(FitAnisotropicWard, GivesTheSameBytesForAnyNumberOfThreads) {
+TEST(SplitRoughness, GivesTheSameBytesForAnyNumberOfThreads) {
   const LitSurface surface = lit(brushed(0.5f, 0.2f), Model::kWardAnisotropic, dome(24));
   const auto fitted = [&](std::size_t threads) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     Progress progress;
-    return fitAnisotropicWard(surface.samples, calmOptions(), progress)
+    return fitManyLights(surface.samples, calmOptions(Model::kWardAnisotropic), {}, progress)
         .maps.extra.at("RoughnessY")
         .texels();
   };

@@ -76,7 +76,6 @@ TEST_F(FitCheck, OptionsOutOfRangeAreUsageErrors) {
     spoil(options);
     EXPECT_THROW(options.check(), ProcessingError);
   };
-  refused([](MultiLightOptions& o) { o.model = Model::kWardAnisotropic; });
   refused([](MultiLightOptions& o) { o.noise.floor = 0; });
   refused([](MultiLightOptions& o) { o.rounds = 0; });
   refused([](MultiLightOptions& o) { o.steps = 51; });
