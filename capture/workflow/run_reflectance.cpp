@@ -6,21 +6,12 @@
 
 #include "capture/workflow/failure.h"
 #include "capture/workflow/folder_lock.h"
-#include "processing/image/parallel_rows.h"
+#include "capture/workflow/sweep_texels.h"
 
 namespace patina::workflow {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr float kLampNoise = 0.002f;  // relative: from shot to shot, and of the calibrations
-
-// What one light state's pictures are multiplied by, and the light they are then of.
-struct StateLight {
-  brdf::SurfaceLight light;  // over the map
-  double white_level = 1;    // of a frame, before
-  bool even = false;  // frames are over what a flat white diffuser shows: its light is put back
-};
 
 fs::path folderOf(const fs::path& archive, const RunReflectanceRequest& request,
                   const std::string& id) {
@@ -95,25 +86,13 @@ class RunFit {
 
   RectPx regionOf(SizePx whole) const {
     const RectPx all{0, 0, whole.width, whole.height};
-    if (!request_.region || request_.frames.rectify) return binned(all);
+    if (!request_.region || request_.frames.rectify) return wholeTexels(all, request_.bin);
     RectPx r = *request_.region;
     if (r.x < 0 || r.y < 0 || r.x + r.width > whole.width || r.y + r.height > whole.height)
       throw WorkflowError(Exit::kUsage, "the region does not lie within the frames of " +
                                             std::to_string(whole.width) + "x" +
                                             std::to_string(whole.height) + " pixels");
-    return binned(r);
-  }
-
-  // Whole texels.
-  RectPx binned(RectPx r) const {
-    if (request_.bin < 1 || request_.bin > std::min(r.width, r.height))
-      throw WorkflowError(Exit::kUsage, "texels of " + std::to_string(request_.bin) +
-                                            " pixels a side do not go into " +
-                                            std::to_string(r.width) + "x" +
-                                            std::to_string(r.height) + " pixels");
-    r.width -= r.width % request_.bin;
-    r.height -= r.height % request_.bin;
-    return r;
+    return wholeTexels(r, request_.bin);
   }
 
   void prepare(const Sweeps& sweeps) {
@@ -141,7 +120,8 @@ class RunFit {
     options_ = request_.fit;
     options_.mm_per_texel = mm_per_texel_ > 0 ? static_cast<float>(mm_per_texel_) : 1;
     options_.saturated = saturatedLevel();
-    if (const auto noise = chain.noise()) options_.noise = noiseOf(*noise);
+    if (const auto noise = chain.noise())
+      options_.noise = noiseOfTexels((*noise)[1], states_, request_.bin);
   }
 
   // A lamp of unknown distance over texels of unknown size is as far away as can be.
@@ -185,21 +165,6 @@ class RunFit {
     double least = HUGE_VAL;
     for (const StateLight& state : states_) least = std::min(least, 1 / state.white_level);
     return static_cast<float>(0.98 * least);
-  }
-
-  brdf::FitNoise noiseOf(const calibration::NoiseModels& models) const {
-    double scale = 0;
-    for (const StateLight& state : states_)
-      scale += 1 / state.white_level / static_cast<double>(states_.size());
-    const calibration::NoiseModel& green = models[1];
-    brdf::FitNoise noise;
-    // Samples of one colour in a texel, as far as noise is theirs alone.
-    const double samples = std::max(1.0, request_.bin * request_.bin / 4.0);
-    noise.floor =
-        static_cast<float>(scale * std::sqrt(green.variance(0) / samples) / green.range());
-    noise.shot = static_cast<float>(scale / (green.electrons_per_number * green.range() * samples));
-    noise.gain = kLampNoise;
-    return noise;
   }
 
   // What every step's result depends on, besides its frames.
@@ -283,32 +248,12 @@ class RunFit {
                               static_cast<std::int64_t>(lights), report});
   }
 
-  // The region, as if a lamp of the model's own fall-off lit it.
-  Image<float> pictureOf(const Image<float>& frame, const StateLight& state) const {
-    Image<float> picture =
-        meansOfPixels(ImageView<const float>(frame.view()).crop(region_), request_.bin);
-    const SizePx size = picture.size();
-    const int channels = picture.channels();
-    const auto scale = static_cast<float>(state.even ? 1 : 1 / state.white_level);
-    forEachRow(size.height, std::int64_t{size.width} * 16, [&](int y) {
-      for (int x = 0; x < size.width; ++x) {
-        float factor = scale;
-        if (state.even) {
-          const brdf::PlaceMm at = brdf::placeOf(x, y, size, options_.mm_per_texel);
-          const brdf::LightRay ray = brdf::rayAt(state.light, {0, 0, 1}, at.x, at.y);
-          factor = ray.irradiance * ray.l.z;
-        }
-        for (int c = 0; c < channels; ++c) picture.at(x, y, c) *= factor;
-      }
-    });
-    return picture;
-  }
-
   void fitStep(std::size_t step, const SweepPictures& sweep) {
     std::vector<Image<float>> pictures;
     std::vector<brdf::FitSample> samples;
     for (const SweepPicture& one : sweep.pictures)
-      pictures.push_back(pictureOf(one.linear, states_[one.state]));
+      pictures.push_back(texelsUnder(states_[one.state], one.linear.view(), region_, request_.bin,
+                                     options_.mm_per_texel));
     for (std::size_t i = 0; i < pictures.size(); ++i)
       samples.push_back({pictures[i].view(), states_[sweep.pictures[i].state].light, {0, 0, 1}});
     const brdf::BrdfMaps earlier = mapsBefore(step);

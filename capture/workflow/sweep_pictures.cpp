@@ -177,17 +177,4 @@ void moveTowards(Image<float>& picture, const Image<float>& other, float share) 
   });
 }
 
-Image<float> meansOfPixels(ImageView<const float> pixels, int side) {
-  if (side == 1) return copyOf<float>(pixels);
-  Image<float> out(pixels.width / side, pixels.height / side, pixels.channels);
-  const float share = 1 / static_cast<float>(side * side);
-  forEachRow(out.height(), std::int64_t{pixels.width} * side, [&](int y) {
-    for (int v = side * y; v < side * (y + 1); ++v)
-      for (int x = 0; x < out.width() * side; ++x)
-        for (int c = 0; c < out.channels(); ++c)
-          out.at(x / side, y, c) += share * pixels.at(x, v, c);
-  });
-  return out;
-}
-
 }  // namespace patina::workflow

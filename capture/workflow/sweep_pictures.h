@@ -80,7 +80,5 @@ class Sweeps {
 
 // picture + share (other - picture), where both are known; else as it is. In place.
 void moveTowards(Image<float>& picture, const Image<float>& other, float share);
-// Each texel the mean of side x side pixels; what is left over at the right and below is not there.
-Image<float> meansOfPixels(ImageView<const float> pixels, int side);
 
 }  // namespace patina::workflow
