@@ -6,6 +6,12 @@
 
 namespace patina::app {
 
+void refuseThatIsThere(std::initializer_list<std::string> outputs) {
+  for (const std::string& out : outputs)
+    if (!out.empty() && std::filesystem::exists(out))
+      throw AppError(Exit::kCannotCreate, out + " is there already");
+}
+
 const std::filesystem::path& Context::archive() const {
   if (options.archive.empty())
     throw AppError(Exit::kUsage, "which archive? Give --archive DIR or set PATINA_ARCHIVE");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ class AppError : public Failure {
  public:
   using Failure::Failure;
 };
+
+// Throws AppError(kCannotCreate) naming the first of `outputs` that exists; "" is none.
+void refuseThatIsThere(std::initializer_list<std::string> outputs);
 
 struct Context {
   const GlobalOptions& options;

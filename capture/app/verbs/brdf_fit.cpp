@@ -48,8 +48,7 @@ void fitFolder(Context& context, Options& options) {
   if (options.lights.empty() || options.out.empty())
     throw AppError(Exit::kUsage,
                    "of a folder of pictures --lights FILE.lp and --out SET are needed");
-  if (std::filesystem::exists(options.out))
-    throw AppError(Exit::kCannotCreate, options.out + " is there already");
+  refuseThatIsThere({options.out});
   request.folder = options.in;
   request.lights = options.lights;
   request.residual = !options.no_residual;

@@ -23,8 +23,7 @@ bool isStaf(const fs::path& folder) {
 }
 
 void convertSet(Context& context, const Options& options) {
-  if (fs::exists(options.out))
-    throw AppError(Exit::kCannotCreate, options.out + " is there already");
+  refuseThatIsThere({options.out});
   stbrdf::StbrdfSet set = isStaf(options.in)
                               ? stbrdf::stafPolynomials(stbrdf::readStafSet(options.in),
                                                         options.degree, context.progress)

@@ -44,9 +44,7 @@ void checkSize(const stbrdf::StbrdfSet& set, SizePx size) {
 
 void run(Context& context, Options& options) {
   settle(options.arguments, context);
-  for (const std::string& out : {options.out, options.nnf})
-    if (!out.empty() && fs::exists(out))
-      throw AppError(Exit::kCannotCreate, out + " is there already");
+  refuseThatIsThere({options.out, options.nnf});
   const optimization::OptimizeOptions& optimize = options.arguments.optimize;
   options.enlarge.optimize = optimize;
   const stbrdf::StbrdfSet set = stbrdf::readStbrdfSet(options.in, context.progress);

@@ -43,8 +43,7 @@ void writePictures(const std::string& out, const stbrdf::StbrdfSet& set,
 void evaluateSet(Context& context, const Options& options) {
   if (options.format != "exr" && options.format != "png")
     throw AppError(Exit::kUsage, "--format is '" + options.format + "'; allowed: exr, png");
-  if (fs::exists(options.out))
-    throw AppError(Exit::kCannotCreate, options.out + " is there already");
+  refuseThatIsThere({options.out});
   const stbrdf::StbrdfSet set = stbrdf::readStbrdfSet(options.in, context.progress);
   const stbrdf::LocalTime local = localTime(options.time, options.rate, options.start, set.size());
   if (options.format == "exr") {

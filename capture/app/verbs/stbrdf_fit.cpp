@@ -131,8 +131,7 @@ void fit(Context& context, const Options& options) {
   if (options.as != "polynomials" && options.as != "staf")
     throw AppError(Exit::kUsage, "--as is '" + options.as + "'; allowed: polynomials, staf");
   if (options.degree != "auto") degreeOf(options.degree);
-  if (fs::exists(options.out))
-    throw AppError(Exit::kCannotCreate, options.out + " is there already");
+  refuseThatIsThere({options.out});
   const stbrdf::SampleSet input = openSamples(context, options.in);
   if (options.as == "staf")
     fitFactors(context, options, input);

@@ -21,9 +21,7 @@ struct Options {
 
 void run(Context& context, Options& options) {
   settle(options.arguments, context);
-  for (const std::string& out : {options.out, options.nnf})
-    if (!out.empty() && fs::exists(out))
-      throw AppError(Exit::kCannotCreate, out + " is there already");
+  refuseThatIsThere({options.out, options.nnf});
   const stbrdf::StbrdfSet set = stbrdf::readStbrdfSet(options.set, context.progress);
   const Picture picture = readPicture(options.picture);
   const SizePx size = picture.linear.size();

@@ -86,9 +86,7 @@ optimization::OptimizedField optimizeFile(const Options& options, Context& conte
 
 void run(Context& context, Options& options) {
   settle(options.arguments, context);
-  for (const std::string& out : {options.out, options.nnf})
-    if (!out.empty() && fs::exists(out))
-      throw AppError(Exit::kCannotCreate, out + " is there already");
+  refuseThatIsThere({options.out, options.nnf});
   const bool ttf = fs::path(options.in).extension() == ".h5";
   const std::string extension = fs::path(options.out).extension();
   if (ttf ? extension != ".h5" : extension != ".png" && extension != ".exr")

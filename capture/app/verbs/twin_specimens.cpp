@@ -27,8 +27,7 @@ struct Options {
 
 // A BRDF set (design, section 6) with the truth beside it, in a folder that appears whole.
 void render(Context& context, const Options& options) {
-  if (std::filesystem::exists(options.out))
-    throw AppError(Exit::kCannotCreate, options.out + " is there already");
+  refuseThatIsThere({options.out});
   if (options.size.width < 1 || options.size.height < 1 || options.size.width > 16384 ||
       options.size.height > 16384)
     throw AppError(Exit::kUsage, "--size must lie between 1x1 and 16384x16384");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
-#include "processing/image/random.h"
 #include "tests/capture/app/stbrdf_steps.h"
 #include "tests/support/child.h"
 
@@ -11,21 +10,9 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-// Degree 0: plain pictures, 24x20 texels.
-fs::path plantSet(const fs::path& folder) {
-  fs::create_directories(folder);
-  Image<float> colour(24, 20, 3);
-  for (std::size_t i = 0; i < colour.texels().size(); ++i)
-    colour.texels()[i] = static_cast<float>(uniform(hashSeed(1, i)));
-  writeExr(folder / "Diffuse-0.exr", colour.view());
-  writeExr(folder / "Specular-0.exr", Image<float>(24, 20, 1, 0.04f).view());
-  writeExr(folder / "Roughness-0.exr", Image<float>(24, 20, 1, 0.4f).view());
-  return folder;
-}
-
 TEST(OptimizeOptions, KeepTheSampleWhereItShallStayAndHideWhatIsMasked) {
   const TempFolder temp;
-  const fs::path set = plantSet(temp / "set"), out = temp / "out";
+  const fs::path set = plantPlainSet(temp / "set"), out = temp / "out";
   const Image<float> colour = readPicture(set / "Diffuse-0.exr").linear;
   Image<float> scratch(24, 20, 1);
   for (int x = 14; x < 24; ++x) scratch.at(x, 10) = 1;
@@ -51,7 +38,7 @@ TEST(OptimizeOptions, KeepTheSampleWhereItShallStayAndHideWhatIsMasked) {
 
 TEST(OptimizeOptions, RefuseMasksAndGuidesThatDoNotFit) {
   const TempFolder temp;
-  const fs::path set = plantSet(temp / "set"), out = temp / "out";
+  const fs::path set = plantPlainSet(temp / "set"), out = temp / "out";
   const auto refused = [&](std::vector<std::string> arguments) {
     std::vector<std::string> all{"stbrdf", "enlarge", set, out};
     all.insert(all.end(), arguments.begin(), arguments.end());

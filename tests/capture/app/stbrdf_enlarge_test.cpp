@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "processing/image/random.h"
 #include "tests/capture/app/stbrdf_steps.h"
 #include "tests/support/child.h"
 
@@ -13,21 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-// Degree 0: plain pictures, 24x20 texels.
-fs::path plantSet(const fs::path& folder) {
-  fs::create_directories(folder);
-  Image<float> colour(24, 20, 3);
-  for (std::size_t i = 0; i < colour.texels().size(); ++i)
-    colour.texels()[i] = static_cast<float>(uniform(hashSeed(1, i)));
-  writeExr(folder / "Diffuse-0.exr", colour.view());
-  writeExr(folder / "Specular-0.exr", Image<float>(24, 20, 1, 0.04f).view());
-  writeExr(folder / "Roughness-0.exr", Image<float>(24, 20, 1, 0.4f).view());
-  return folder;
-}
-
 TEST(StbrdfEnlarge, WritesALargerSetAndWhereItCameFrom) {
   const TempFolder temp;
-  const fs::path set = plantSet(temp / "set");
+  const fs::path set = plantPlainSet(temp / "set");
   std::vector<std::string> bytes;
   for (const std::string threads : {"1", "8"}) {
     const fs::path out = temp / ("out" + threads), nnf = temp / ("nnf" + threads + ".npy");
@@ -44,7 +31,7 @@ TEST(StbrdfEnlarge, WritesALargerSetAndWhereItCameFrom) {
 
 TEST(StbrdfEnlarge, RefusesWhatCannotBeAndLeavesNothing) {
   const TempFolder temp;
-  const fs::path set = plantSet(temp / "set"), out = temp / "out";
+  const fs::path set = plantPlainSet(temp / "set"), out = temp / "out";
   const auto refused = [&](std::vector<std::string> arguments) {
     std::vector<std::string> all{"stbrdf", "enlarge", set, out};
     all.insert(all.end(), arguments.begin(), arguments.end());
@@ -62,7 +49,7 @@ TEST(StbrdfEnlarge, RefusesWhatCannotBeAndLeavesNothing) {
 
 TEST(StbrdfEnlarge, RefusesASetThatHoldsANaN) {
   const TempFolder temp;
-  const fs::path set = plantSet(temp / "set");
+  const fs::path set = plantPlainSet(temp / "set");
   Image<float> colour = readPicture(set / "Diffuse-0.exr").linear;
   colour.at(3, 3, 1) = NAN;
   writeExr(set / "Diffuse-0.exr", colour.view());

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A folder of steps, as a multi-light fit or the twin leaves them: 8x6 texels that rise in time.
+// Small sets: a folder of steps, as a multi-light fit or the twin leaves them: 8x6 texels that rise
+// in time.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 #include "processing/image/picture_file.h"
+#include "processing/image/random.h"
 #include "tests/support/temp_folder.h"
 
 namespace patina::testing {
@@ -22,6 +24,18 @@ inline std::filesystem::path plantSteps(const std::filesystem::path& folder, int
     writeFile(step / "manifest.json",
               "{\"model\":\"ggx\",\"roughness\":\"alpha\",\"time\":" + std::to_string(t) + "}");
   }
+  return folder;
+}
+
+// A set of degree 0: plain pictures, 24x20 texels.
+inline std::filesystem::path plantPlainSet(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  Image<float> colour(24, 20, 3);
+  for (std::size_t i = 0; i < colour.texels().size(); ++i)
+    colour.texels()[i] = static_cast<float>(uniform(hashSeed(1, i)));
+  writeExr(folder / "Diffuse-0.exr", colour.view());
+  writeExr(folder / "Specular-0.exr", Image<float>(24, 20, 1, 0.04f).view());
+  writeExr(folder / "Roughness-0.exr", Image<float>(24, 20, 1, 0.4f).view());
   return folder;
 }
 
