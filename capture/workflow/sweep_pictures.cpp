@@ -142,14 +142,14 @@ std::optional<Image<float>> Sweeps::ofMoment(Stream& stream, std::size_t step) {
   while (stream.frames.size() > 1 && stream.frames[1].step < step) stream.frames.pop_front();
   const auto own = std::ranges::find(stream.frames, step, &Frame::step);
   if (own == stream.frames.end()) return std::nullopt;
-  const double late_s = plan_.steps[step].time_s - own->time_s;
   const Frame* before = own == stream.frames.begin() ? nullptr : &*std::prev(own);
   const Frame* behind = std::next(own) == stream.frames.end() ? nullptr : &*std::next(own);
-  const Frame* other = late_s > 0 ? behind : before;
-  if (!other) other = late_s > 0 ? before : behind;
+  const auto neighbour = [&](const Frame* frame) -> std::optional<TimedPicture> {
+    if (!frame || frame->time_s == own->time_s) return std::nullopt;
+    return TimedPicture{frame->time_s - own->time_s, frame->linear.view()};
+  };
   Image<float> picture = own->linear;
-  if (other && other->time_s != own->time_s)
-    moveTowards(picture, other->linear, static_cast<float>(late_s / (other->time_s - own->time_s)));
+  moveInTime(picture, neighbour(before), neighbour(behind), plan_.steps[step].time_s - own->time_s);
   return picture;
 }
 
@@ -164,15 +164,33 @@ std::optional<SweepPictures> Sweeps::next() {
   return out;
 }
 
-void moveTowards(Image<float>& picture, const Image<float>& other, float share) {
-  const std::size_t row =
-      static_cast<std::size_t>(picture.width()) * static_cast<std::size_t>(picture.channels());
-  forEachRow(picture.height(), static_cast<std::int64_t>(row) * 4, [&](int y) {
-    float* to = picture.texels().data() + static_cast<std::size_t>(y) * row;
-    const float* from = other.texels().data() + static_cast<std::size_t>(y) * row;
-    for (std::size_t i = 0; i < row; ++i) {
-      const float moved = to[i] + share * (from[i] - to[i]);
-      to[i] = std::isnan(moved) ? to[i] : moved;
+namespace {
+
+// Of a curve through three points that is monotone where they are (Fritsch and Butland 1984): the
+// harmonic mean of both sides' slopes, weighted by their spans; none at a peak.
+double slopeWithin(double before, double before_s, double behind, double behind_s) {
+  if (before * behind <= 0) return 0;
+  const double one = 2 * behind_s + before_s, two = behind_s + 2 * before_s;
+  return (one + two) / (one / before + two / behind);
+}
+
+}  // namespace
+
+void moveInTime(Image<float>& picture, const std::optional<TimedPicture>& before,
+                const std::optional<TimedPicture>& behind, double by_s) {
+  if (!before && !behind) return;
+  const int row = picture.width() * picture.channels();
+  forEachRow(picture.height(), std::int64_t{row} * 16, [&](int y) {
+    float* level = &picture.at(0, y);
+    const auto slopeTo = [&](const TimedPicture& other, int i) {
+      return (double{other.linear.row(y)[i]} - level[i]) / other.after_s;
+    };
+    for (int i = 0; i < row; ++i) {
+      double slope = slopeTo(before ? *before : *behind, i);
+      if (before && behind)
+        slope = slopeWithin(slope, -before->after_s, slopeTo(*behind, i), behind->after_s);
+      const auto moved = static_cast<float>(level[i] + slope * by_s);
+      level[i] = std::isnan(moved) ? level[i] : moved;
     }
   });
 }

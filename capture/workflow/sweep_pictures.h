@@ -44,8 +44,8 @@ struct SweepPictures {
 };
 
 // Frames of each state are pulled in order of time, a step before and one behind the one at hand in
-// memory: three pictures a lamp. A picture is brought to its step's moment by interpolation between
-// it and that of the neighbouring step, before or behind; at the ends of the run by extrapolation.
+// memory: three pictures a lamp. A picture is brought to its step's moment along the slope that its
+// lamp's pictures of the steps before and behind give (moveInTime).
 // Thread-bound; reader and progress outlive it.
 class Sweeps {
  public:
@@ -78,7 +78,16 @@ class Sweeps {
   std::vector<std::unique_ptr<Stream>> streams_;
 };
 
-// picture + share (other - picture), where both are known; else as it is. In place.
-void moveTowards(Image<float>& picture, const Image<float>& other, float share);
+// The same view at another time.
+struct TimedPicture {
+  double after_s = 0;  // below 0: before
+  ImageView<const float> linear;
+};
+// The picture as of `by_s` later, in place: along the slope of a curve through it and its
+// neighbours in time that is monotone where they are, so what changes at once between two of them,
+// and stands still on the other side, is not smeared. With one neighbour, along the line to it.
+// Levels that are not known in all stay as they are.
+void moveInTime(Image<float>& picture, const std::optional<TimedPicture>& before,
+                const std::optional<TimedPicture>& behind, double by_s);
 
 }  // namespace patina::workflow

@@ -84,12 +84,34 @@ TEST_F(SweepsOfADome, CanBeginAtAnyStep) {
   EXPECT_LT(worst[0], 0.002);
 }
 
-TEST(MoveTowards, LeavesWhatIsNotKnownThereAsItIs) {
-  Image<float> picture(2, 1, 1, 1.0f), other(2, 1, 1, 3.0f);
-  other.at(1, 0) = std::numeric_limits<float>::quiet_NaN();
-  moveTowards(picture, other, 0.25f);
-  EXPECT_FLOAT_EQ(picture.at(0, 0), 1.5f);
-  EXPECT_FLOAT_EQ(picture.at(1, 0), 1);
+// A picture of one texel at level 1, with `before` 10 s earlier and `behind` 10 s later, 2 s on.
+float movedBy2s(std::optional<float> before, std::optional<float> behind) {
+  Image<float> picture(1, 1, 1, 1.0f);
+  const Image<float> earlier(1, 1, 1, before.value_or(0)), later(1, 1, 1, behind.value_or(0));
+  std::optional<TimedPicture> b, e;
+  if (before) b = {-10, earlier.view()};
+  if (behind) e = {10, later.view()};
+  moveInTime(picture, b, e, 2);
+  return picture.at(0, 0);
+}
+
+TEST(MoveInTime, FollowsWhatChangesEvenly) {
+  EXPECT_FLOAT_EQ(movedBy2s(0.5f, 1.5f), 1.1f);
+  EXPECT_FLOAT_EQ(movedBy2s({}, 1.5f), 1.1f);
+  EXPECT_FLOAT_EQ(movedBy2s(0.5f, {}), 1.1f);
+  EXPECT_FLOAT_EQ(movedBy2s({}, {}), 1);
+}
+
+TEST(MoveInTime, DoesNotSmearWhatChangesAtOnce) {
+  EXPECT_FLOAT_EQ(movedBy2s(1.0f, 3.0f), 1);
+  EXPECT_FLOAT_EQ(movedBy2s(1.5f, 1.5f), 1);  // a peak
+  EXPECT_LT(movedBy2s(0.98f, 3.0f), 1.01f);
+}
+
+TEST(MoveInTime, LeavesWhatIsNotKnownThereAsItIs) {
+  const float unknown = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FLOAT_EQ(movedBy2s(unknown, 2.0f), 1);
+  EXPECT_FLOAT_EQ(movedBy2s({}, unknown), 1);
 }
 
 }  // namespace
