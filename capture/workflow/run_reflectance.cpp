@@ -180,6 +180,7 @@ class RunFit {
     options.set("neighbours", options_.neighbours).set("earlier_steps", request_.earlier_steps);
     options.number("noise_floor", options_.noise.floor).number("noise_shot", options_.noise.shot);
     options.number("noise_gain", options_.noise.gain);
+    options.number("specular_spread", options_.specular_spread);
     common_ = request_.version + "\n";
     Facts common;  // the masters of a step are those bound to its own frames
     for (const auto& [key, value] : options.all())

@@ -59,6 +59,7 @@ void MultiLightOptions::check() const {
   need(steps >= 1 && steps <= 50, "steps lies between 1 and 50");
   need(neighbour_px >= 1 && neighbour_px <= 64, "neighbour_px lies between 1 and 64");
   need(like_colour > 0, "like_colour is above 0");
+  need(specular_spread > 0 && specular_spread <= 1, "specular_spread lies above 0, up to 1");
 }
 
 void checkSamples(const std::vector<FitSample>& samples, const MultiLightOptions& options,

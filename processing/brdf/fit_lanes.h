@@ -80,8 +80,11 @@ void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& pri
 // Least costs over kd and ks for roughnesses of a grid, the normal and weights as they are.
 constexpr int kCurve = 28;
 float curveLogR(int j);  // ln r of entry j, rising evenly
+struct CostCurve {
+  Lane cost[kCurve], ks[kCurve];
+};
 void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& prior,
-               Lane (&curve)[kCurve]);
+               CostCurve& curve);
 // Rounds of weights and steps. `equations` are those of the end.
 void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
             Equations& equations);

@@ -11,12 +11,17 @@ namespace {
 
 using lanes::kCurve;
 using Curve = std::array<float, kCurve>;
+// What alike texels cost together, and what materials are.
 struct Pool {
-  Curve cost{};
+  Curve cost{}, specular{};
   float texels = 0;  // weights' sum
 };
 
 constexpr int kRingsOfNeighbours = 6;
+// 2 ln of how much less likely what is no dielectric has a given reflectance than a dielectric has
+// 0.04: one material in five, spread 25 times as wide.
+constexpr float kAnyPrice = 9;
+constexpr float kLikely2 = 4;  // so near are most dielectrics, squared, in units of their spread
 constexpr float kLeastSpread2 = 0.06f * 0.06f;  // of ln r among neighbours
 constexpr double kLeastSpecularSpread2 = 0.003 * 0.003;
 constexpr double kBeforeSpecularSpread2 = 0.01 * 0.01;
@@ -51,13 +56,33 @@ void forAlike(const FitState& state, int x, int y, const MultiLightOptions& opti
     }
 }
 
+// By how much so many texels are fewer: errors that they have together do not average out.
+float crowding(float common, float texels) { return 1 + common * std::max(texels - 1, 0.0f); }
+
+// Squared, in units of what dielectrics spread by.
+float fromDielectric2(float specular, const MultiLightOptions& options) {
+  const float off = (specular - kDielectric) / options.specular_spread;
+  return off * off;
+}
+
 Pool pooled(const FitState& state, int x, int y, const MultiLightOptions& options) {
   Pool sum;
   forAlike(state, x, y, options, [&](int nx, int ny, float w) {
-    const auto curve = state.curve.view().texel(nx, ny);
-    for (std::size_t j = 0; j < kCurve; ++j) sum.cost[j] += w * curve[j];
+    const auto curve = state.curve.view().texel(nx, ny),
+               strength = state.curve_specular.view().texel(nx, ny);
+    for (std::size_t j = 0; j < kCurve; ++j) {
+      sum.cost[j] += w * curve[j];
+      sum.specular[j] += w * strength[j];
+    }
     sum.texels += w;
   });
+  const float crowd = crowding(state.common.at(x, y), sum.texels);
+  for (std::size_t j = 0; j < kCurve; ++j) {
+    sum.specular[j] /= sum.texels;
+    sum.cost[j] =
+        sum.cost[j] / crowd + std::min(fromDielectric2(sum.specular[j], options), kAnyPrice);
+  }
+  sum.texels /= crowd;
   return sum;
 }
 
@@ -88,6 +113,13 @@ Valley valleyOf(const Curve& curve) {
   return {lanes::curveLogR(least) + off * h, bend / (2 * h * h), std::max(cost, 0.0f)};
 }
 
+float specularAt(const Pool& pool, float log_r) {
+  const float at = (log_r - lanes::curveLogR(0)) / (lanes::curveLogR(1) - lanes::curveLogR(0));
+  const int j = std::clamp(static_cast<int>(at), 0, kCurve - 2);
+  const float share = std::clamp(at - static_cast<float>(j), 0.0f, 1.0f);
+  return pool.specular.data()[j] * (1 - share) + pool.specular.data()[j + 1] * share;
+}
+
 // What the pool costs beyond one per texel is how much they differ among themselves (DerSimonian
 // and Laird 1986): that far is no texel held to the others.
 float certaintyOf(const Valley& valley, float texels) {
@@ -112,10 +144,11 @@ struct SpecularPool {
     weight += w * information;
     texels += w;
   }
-  float certainty() const {
+  // `crowd`: of errors that texels have together.
+  float certainty(double crowd) const {
     const double excess = square - grey * grey / weight - std::max(texels - 1, 0.0);
     const double between = std::max(excess, 0.0) / weight;
-    return static_cast<float>(1 / (1 / weight + between + kLeastSpecularSpread2));
+    return static_cast<float>(1 / (crowd / weight + between + kLeastSpecularSpread2));
   }
 };
 
@@ -132,12 +165,16 @@ FitState::FitState(SizePx s, int channels)
       log_r(s.width, s.height, 1),
       confidence(s.width, s.height, 1),
       residual(s.width, s.height, 1),
+      spread2(s.width, s.height, 1, 1.0f),
+      common(s.width, s.height, 1),
       look(s.width, s.height, channels),
-      curve(s.width, s.height, kCurve) {}
+      curve(s.width, s.height, kCurve),
+      curve_specular(s.width, s.height, kCurve) {}
 
 PriorMaps::PriorMaps(SizePx s, int channels)
     : log_r(s.width, s.height, 1),
       log_r_weight(s.width, s.height, 1),
+      dielectric_weight(s.width, s.height, 1),
       specular(s.width, s.height, channels),
       specular_weight(s.width, s.height, 1) {}
 
@@ -158,6 +195,9 @@ void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
       const Valley valley = valleyOf(sum.cost);
       prior.log_r.at(x, y) = valley.log_r;
       prior.log_r_weight.at(x, y) = certaintyOf(valley, sum.texels);
+      const float spread = options.specular_spread;
+      if (fromDielectric2(specularAt(sum, valley.log_r), options) < kLikely2)
+        prior.dielectric_weight.at(x, y) = state.spread2.at(x, y) / (spread * spread);
     }
     progress.step();
   });
@@ -173,6 +213,7 @@ void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
         const float information = state.specular_weight.at(nx, ny);
         if (information > 0) sum.add(state.specular.view().texel(nx, ny), information, w);
       });
+      const float crowd = crowding(state.common.at(x, y), static_cast<float>(sum.texels));
       for (const FitBefore& other : before)
         if (other.specular.channels == state.specular.channels())
           sum.add(other.specular.texel(x, y), other.confidence.at(x, y) / kBeforeSpecularSpread2,
@@ -181,7 +222,7 @@ void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
       for (int c = 0; c < state.specular.channels(); ++c)
         prior.specular.at(x, y, c) =
             static_cast<float>(sum.mean[static_cast<std::size_t>(c)] / sum.weight);
-      prior.specular_weight.at(x, y) = sum.certainty();
+      prior.specular_weight.at(x, y) = sum.certainty(crowd);
     }
     progress.step();
   });

@@ -9,6 +9,8 @@
 
 namespace patina::brdf {
 
+constexpr float kDielectric = 0.04f;  // specular reflectance at an index of refraction of 1.5
+
 // [h][w] each, of one kind of number.
 struct FitState {
   FitState(SizePx size, int channels);
@@ -18,14 +20,18 @@ struct FitState {
   Image<float> specular_weight;    // 1 / variance, by the texel's own lights and the prior of ln r
   Image<float> grey_diffuse, grey_specular, log_r;
   Image<float> confidence, residual;
-  Image<float> look;   // [h][w][channels]: levels over irradiance, known whatever the gloss
-  Image<float> curve;  // [h][w][kCurve]: cost by roughness, in units of the texel's spread
+  Image<float> spread2;  // of the residuals, in units of the noise, at least 1
+  Image<float> common;   // share of the noise that a picture's texels have together
+  Image<float> look;     // [h][w][channels]: levels over irradiance, known whatever the gloss
+  // [h][w][kCurve], by roughness: cost in units of the texel's spread, and the specular reflectance
+  Image<float> curve, curve_specular;
 };
 
 // What texels are held to: means and certainties (1 / variance, 0: nobody knows).
 struct PriorMaps {
   PriorMaps(SizePx size, int channels);
   Image<float> log_r, log_r_weight;
+  Image<float> dielectric_weight;          // of kDielectric; 0: may be a metal
   Image<float> specular, specular_weight;  // [h][w][channels], [h][w][1]
 };
 

@@ -100,13 +100,14 @@ float curveLogR(int j) {
 }
 
 void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& prior,
-               Lane (&curve)[kCurve]) {
+               CostCurve& curve) {
   Equations q;
   for (int j = 0; j < kCurve; ++j) {
     Estimate tried = at;
     for (int k = 0; k < kLanes; ++k) tried.u[k] = curveLogR(j);
     evaluateCost(model, samples, tried, prior, q);
-    curve[j] = q.cost;
+    curve.cost[j] = q.cost;
+    curve.ks[j] = tried.ks;
   }
 }
 

@@ -8,7 +8,7 @@
 #include "processing/brdf/anisotropic_fit.h"
 #include "processing/brdf/fit_check.h"
 #include "processing/brdf/fit_maps.h"
-#include "processing/brdf/ggx.h"
+#include "processing/brdf/fit_tile.h"
 #include "processing/image/parallel_rows.h"
 
 namespace patina::brdf {
@@ -22,80 +22,17 @@ using lanes::Prior;
 using lanes::Samples;
 
 constexpr float kWideLogR = -1.2f, kWideLogRWeight = 0.4f;  // of a texel nobody knows: e^-1.2
-constexpr float kWideSpecular = 0.04f, kWideSpecularWeight = 4;
+constexpr float kWideSpecularWeight = 4;
 constexpr float kChromaWeight = 100;  // holds specular channels to their mean
 constexpr float kBlack = 1e-4f;
 constexpr int kFewest = 4;
 
-// One row's sixteen texels from `x0` on; those beyond the edge repeat the last.
-class Tile {
- public:
-  Tile(const std::vector<FitSample>& samples, const MultiLightOptions& options)
-      : from_(samples),
-        options_(options),
-        size_(samples[0].picture.size()),
-        channels_(samples[0].picture.channels),
-        lanes_(samples.size()) {
-    for (std::size_t i = 0; i < samples.size(); ++i) lanes_.view[i] = samples[i].view;
-  }
+float meanOf(std::span<const float> channels) {
+  float sum = 0;
+  for (const float v : channels) sum += v;
+  return sum / static_cast<float>(channels.size());
+}
 
-  Samples& lanes() { return lanes_; }
-  int channels() const { return channels_; }
-  int column(int x0, int k) const { return std::min(x0 + k, size_.width - 1); }
-
-  void load(int x0, int y) {
-    for (std::size_t i = 0; i < from_.size(); ++i) {
-      const FitSample& sample = from_[i];
-      LightRay ray = rayAt(sample.light, sample.view, 0, 0);
-      for (int k = 0; k < kLanes; ++k) {
-        const int x = column(x0, k);
-        if (sample.light.near) {
-          const PlaceMm place = placeOf(x, y, size_, options_.mm_per_texel);
-          ray = rayAt(sample.light, sample.view, place.x, place.y);
-        }
-        put(i, k, ray);
-        putLevel(i, k, sample.picture.texel(x, y));
-      }
-    }
-  }
-
- private:
-  void put(std::size_t i, int k, const LightRay& ray) {
-    lanes_.lx[i][k] = ray.l.x;
-    lanes_.ly[i][k] = ray.l.y;
-    lanes_.lz[i][k] = ray.l.z;
-    lanes_.hx[i][k] = ray.h.x;
-    lanes_.hy[i][k] = ray.h.y;
-    lanes_.hz[i][k] = ray.h.z;
-    lanes_.v_h[i][k] = ray.v_h;
-    lanes_.m[i][k] = options_.model == Model::kGgx ? schlickWeight(ray.v_h) : 0.0f;
-    lanes_.e[i][k] = ray.irradiance;
-  }
-
-  void putLevel(std::size_t i, int k, std::span<const float> texel) {
-    float sum = 0;
-    bool usable = lanes_.e[i][k] > 0;
-    for (const float v : texel) {
-      usable = usable && v < options_.saturated && v > -1.0f;  // NaN fails both
-      sum += v;
-    }
-    const float level = usable ? sum / static_cast<float>(texel.size()) : 0;
-    const FitNoise& noise = options_.noise;
-    const float above = std::max(level, 0.0f);
-    const float variance =
-        noise.floor * noise.floor + noise.shot * above + noise.gain * noise.gain * above * above;
-    lanes_.y[i][k] = level;
-    lanes_.noise[i][k] = usable ? 1 / variance : 0;
-  }
-
-  const std::vector<FitSample>& from_;
-  const MultiLightOptions& options_;
-  SizePx size_;
-  int channels_;
-  Samples lanes_;
-};
-
-// 1 / variance that the data alone give: the priors' own share is taken off again.
 struct Counts {
   std::int64_t black = 0, few = 0, levels = 0, used = 0;
   double square = 0;
@@ -117,11 +54,11 @@ class Fitter {
     if (options_.neighbours) first.rounds = std::max(1, options_.rounds - 1);
     progress.begin("reflectance", state_.size.height);
     forEachTile(
-        [&](Tile& tile, int x0, int y) {
+        [&](FitTile& tile, int x0, int y) {
           Estimate at;
           tile.load(x0, y);
           lanes::photometricStart(tile.lanes(), at);
-          Prior prior = widePrior();
+          const Prior prior = widePrior();
           Equations q;
           if (glossy()) {
             lanes::scanRoughness(options_.model, tile.lanes(), at, prior);
@@ -139,7 +76,7 @@ class Fitter {
   void again(const PriorMaps& maps, Progress& progress) {
     progress.begin("reflectance again", state_.size.height);
     forEachTile(
-        [&](Tile& tile, int x0, int y) {
+        [&](FitTile& tile, int x0, int y) {
           tile.load(x0, y);
           Prior prior = widePrior();
           Estimate at = startAgain(tile, maps, prior, x0, y);
@@ -186,7 +123,7 @@ class Fitter {
     for (int k = 0; k < kLanes; ++k) {
       prior.u[k] = kWideLogR;
       prior.u_weight[k] = kWideLogRWeight;
-      prior.ks[k] = kWideSpecular;
+      prior.ks[k] = kDielectric;
       prior.ks_weight[k] = kWideSpecularWeight;
     }
     return prior;
@@ -195,14 +132,15 @@ class Fitter {
   template <class Body>
   void forEachTile(const Body& body, Progress& progress) {
     forEachRow(state_.size.height, std::int64_t{state_.size.width} * 4000, [&](int y) {
-      Tile tile(samples_, options_);
+      FitTile tile(samples_, options_);
       rows_[static_cast<std::size_t>(y)] = {};
       for (int x0 = 0; x0 < state_.size.width; x0 += kLanes) body(tile, x0, y);
       progress.step();
     });
   }
 
-  Estimate startAgain(const Tile& tile, const PriorMaps& maps, Prior& prior, int x0, int y) const {
+  Estimate startAgain(const FitTile& tile, const PriorMaps& maps, Prior& prior, int x0,
+                      int y) const {
     Estimate at;
     for (int k = 0; k < kLanes; ++k) {
       const int x = tile.column(x0, k);
@@ -215,15 +153,16 @@ class Fitter {
       if (!(known > 0)) continue;
       prior.u[k] = maps.log_r.at(x, y);
       prior.u_weight[k] += known;
+      prior.ks_weight[k] += maps.dielectric_weight.at(x, y);
       const float gloss = maps.specular_weight.at(x, y);
       if (!(gloss > 0)) {
         at.u[k] = prior.u[k];
         continue;
       }
-      prior.ks_weight[k] += gloss;
-      prior.ks[k] = 0;
-      for (const float v : maps.specular.view().texel(x, y))
-        prior.ks[k] += v / static_cast<float>(maps.specular.channels());
+      const float alike = meanOf(maps.specular.view().texel(x, y)),
+                  both = prior.ks_weight[k] + gloss;
+      prior.ks[k] = (prior.ks_weight[k] * kDielectric + gloss * alike) / both;
+      prior.ks_weight[k] = both;
     }
     return at;
   }
@@ -248,26 +187,54 @@ class Fitter {
     }
   }
 
-  void keep(Tile& tile, const Estimate& at, const Equations& q, const Prior& prior,
+  void keep(FitTile& tile, const Estimate& at, const Equations& q, const Prior& prior,
             const PriorMaps* maps, int x0, int y) {
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k)
       keepTexel(tile, at, q, prior, maps, x0 + k, y, k);
   }
 
-  void keepCurves(Tile& tile, const Estimate& at, const Prior& prior, int x0, int y) {
-    Lane curve[lanes::kCurve];
-    lanes::costCurve(options_.model, tile.lanes(), at, prior, curve);
+  void keepCurves(FitTile& tile, const Estimate& at, const Prior& prior, int x0, int y) {
     const Samples& s = tile.lanes();
+    Lane spread2;
+    for (int k = 0; k < kLanes; ++k) spread2[k] = static_cast<float>(fitOf(s, at, k).spread2(4));
+    lanes::CostCurve curve;
+    lanes::costCurve(options_.model, tile.lanes(), at, prior, curve);
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k) {
-      int used = 0;
-      float least = curve[0][k];
-      for (std::size_t i = 0; i < s.count; ++i) used += s.weight[i][k] > 0;
-      for (const Lane& cost : curve) least = std::min(least, cost[k]);
-      const float spread2 = std::max(1.0f, least / static_cast<float>(std::max(used - 4, 1)));
-      for (int j = 0; j < lanes::kCurve; ++j)
-        state_.curve.at(x0 + k, y, j) = (curve[j][k] - least) / spread2;
+      float least = curve.cost[0][k];
+      for (const Lane& cost : curve.cost) least = std::min(least, cost[k]);
+      for (int j = 0; j < lanes::kCurve; ++j) {
+        state_.curve.at(x0 + k, y, j) = (curve.cost[j][k] - least) / spread2[k];
+        state_.curve_specular.at(x0 + k, y, j) = curve.ks[j][k];
+      }
       keepLook(s, x0 + k, y, k);
     }
+  }
+
+  // Of lane k, over what counts.
+  struct LaneFit {
+    int used = 0;
+    double square = 0, chi2 = 0;
+    double lamps = 0;  // share of the noise's variance that is the lamps'
+    double spread2(int parameters) const {
+      return std::max(1.0, chi2 / std::max(used - parameters, 1));
+    }
+    // Share that alike neighbours have together: what is the lamps', and what the model does not
+    // meet.
+    double common() const { return 1 - (1 - lamps) / spread2(5); }
+  };
+  LaneFit fitOf(const Samples& s, const Estimate& at, int k) const {
+    LaneFit fit;
+    for (std::size_t i = 0; i < s.count; ++i) {
+      if (!(s.weight[i][k] > 0)) continue;
+      ++fit.used;
+      const float m = s.m[i][k], y = s.y[i][k];
+      const double off = y - at.kd[k] * s.a[i][k] - (at.ks[k] * (1 - m) + m) * s.g[i][k];
+      fit.square += off * off;
+      fit.chi2 += off * off * s.weight[i][k];
+      fit.lamps += double{options_.noise.gain} * options_.noise.gain * y * y * s.noise[i][k];
+    }
+    fit.lamps /= std::max(fit.used, 1);
+    return fit;
   }
 
   // Levels that count over the diffuse part's irradiance.
@@ -283,27 +250,23 @@ class Fitter {
     for (float& v : look) v /= std::max(lit, 1e-6f);
   }
 
-  void keepTexel(Tile& tile, const Estimate& at, const Equations& q, const Prior& prior,
+  void keepTexel(FitTile& tile, const Estimate& at, const Equations& q, const Prior& prior,
                  const PriorMaps* maps, int x, int y, int k) {
     Counts& counts = rows_[static_cast<std::size_t>(y)];
     const Samples& s = tile.lanes();
-    int usable = 0, used = 0;
+    int usable = 0;
     float brightest = 0;
-    double square = 0, chi = 0;
     for (std::size_t i = 0; i < s.count; ++i) {
       usable += s.noise[i][k] > 0;
       brightest = std::max(brightest, s.y[i][k]);
-      if (!(s.weight[i][k] > 0)) continue;
-      ++used;
-      const float m = s.m[i][k];
-      const double off = s.y[i][k] - at.kd[k] * s.a[i][k] - (at.ks[k] * (1 - m) + m) * s.g[i][k];
-      square += off * off;
-      chi += off * off * s.weight[i][k];
     }
+    const LaneFit fit = fitOf(s, at, k);
     counts.levels += static_cast<std::int64_t>(s.count);
-    counts.used += used;
-    counts.square += square;
-    state_.residual.at(x, y) = static_cast<float>(std::sqrt(square / std::max(used, 1)));
+    counts.used += fit.used;
+    counts.square += fit.square;
+    state_.residual.at(x, y) = static_cast<float>(std::sqrt(fit.square / std::max(fit.used, 1)));
+    state_.spread2.at(x, y) = static_cast<float>(fit.spread2(5));
+    state_.common.at(x, y) = static_cast<float>(fit.common());
     auto n = state_.normal.view().texel(x, y);
     const bool black = brightest < kBlack;
     counts.black += black;
@@ -317,21 +280,21 @@ class Fitter {
     state_.log_r.at(x, y) = at.u[k];
     state_.grey_diffuse.at(x, y) = at.kd[k];
     state_.grey_specular.at(x, y) = at.ks[k];
-    const double spread2 = std::max(1.0, chi / std::max(used - 5, 1));
-    const bool enough = used >= 6 && usable >= kFewest && glossy();
+    const bool enough = fit.used >= 6 && usable >= kFewest && glossy();
     const lanes::Certainty certainty =
-        enough ? lanes::certaintyOf(at, q, prior, spread2, k) : lanes::Certainty{};
+        enough ? lanes::certaintyOf(at, q, prior, fit.spread2(5), k) : lanes::Certainty{};
     state_.confidence.at(x, y) = static_cast<float>(certainty.confidence);
     state_.specular_weight.at(x, y) = static_cast<float>(certainty.specular_weight);
     keepColours(tile, at, q, prior, maps, x, y, k);
   }
 
-  void keepColours(Tile& tile, const Estimate& at, const Equations& q, const Prior& prior,
+  void keepColours(FitTile& tile, const Estimate& at, const Equations& q, const Prior& prior,
                    const PriorMaps* maps, int x, int y, int k) {
     const Samples& s = tile.lanes();
     const float known = maps ? maps->specular_weight.at(x, y) : 0;
+    const float grey = known > 0 ? meanOf(maps->specular.view().texel(x, y)) : 0;
     for (int c = 0; c < tile.channels(); ++c) {
-      const float alike = known > 0 ? maps->specular.at(x, y, c) : prior.ks[k];
+      const float tint = known > 0 ? maps->specular.at(x, y, c) - grey : 0;
       float ay = 0, by = 0;
       for (std::size_t i = 0; i < s.count; ++i) {
         if (!(s.weight[i][k] > 0)) continue;
@@ -341,8 +304,10 @@ class Fitter {
       }
       float kd = 0, ks = 0;
       if (glossy())
-        lanes::solveLinear(q.aa[k], q.ab[k], q.bb[k] + kChromaWeight, ay,
-                           by + prior.ks_weight[k] * alike + kChromaWeight * at.ks[k], kd, ks);
+        lanes::solveLinear(
+            q.aa[k], q.ab[k], q.bb[k] + kChromaWeight, ay,
+            by + prior.ks_weight[k] * prior.ks[k] + known * tint + kChromaWeight * at.ks[k], kd,
+            ks);
       else
         kd = q.aa[k] > 0 ? std::max(ay / q.aa[k], 0.0f) : 0;
       state_.diffuse.at(x, y, c) = kd;
@@ -375,8 +340,7 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   if (options.model == Model::kWardAnisotropic) first.model = Model::kWard;
   Fitter fitter(samples, first);
   fitter.firstPass(progress);
-  if (options.model != Model::kLambert && (options.neighbours || !before.empty()))
-    holdToNeighbours(fitter, before, first, progress);
+  if (options.model != Model::kLambert) holdToNeighbours(fitter, before, first, progress);
   MultiLightFit fit;
   fit.report = fitter.report();
   FitState& state = fitter.state();

@@ -37,7 +37,8 @@ struct FitSample {
   Vec3 view{0, 0, 1};  // unit, to the camera
 };
 
-// sigma^2 = floor^2 + shot level + (gain level)^2, levels in units of the pictures.
+// sigma^2 = floor^2 + shot level + (gain level)^2, levels in units of the pictures. The gain's is
+// the lamp's: all texels of a picture have it together, and neighbours do not average it away.
 struct FitNoise {
   float floor = 0.002f, shot = 1e-5f, gain = 0.005f;
 };
@@ -51,7 +52,10 @@ struct MultiLightOptions {
   bool neighbours = true;     // the second pass
   int neighbour_px = 16;      // how far it looks, 1 to 64
   float like_colour = 0.06f;  // difference of diffuse colour that still counts as like
-  void check() const;         // throws ProcessingError(kUsage)
+  // How far specular reflectance is expected from 0.04, a dielectric's: what decides where a wide
+  // lobe and the diffuse part are one within the noise. Lamps that tell overrule it. (0,1]
+  float specular_spread = 0.02f;
+  void check() const;  // throws ProcessingError(kUsage)
 };
 
 // Of another time step, or of a fit at hand: what ks and r are held to, by its confidence.

@@ -23,9 +23,11 @@ namespace fs = std::filesystem;
 
 constexpr double kReachDeg = 72, kDistanceMm = 600, kGolden = 2.399963229728653;
 constexpr double kCardReflectance = 0.5;  // of the card that fields are taken from
-constexpr int kInterval = 600;            // s
+constexpr int kRun = 18000;  // s, whatever the steps: a sweep takes the same part of it
 
 std::string idOf(int lamp) { return (lamp < 10 ? "l0" : "l") + std::to_string(lamp); }
+
+int intervalOf(const Loop& loop) { return kRun / loop.steps; }  // s
 
 int lampsOf(const Loop& loop) { return loop.lights + loop.left_out; }
 
@@ -68,8 +70,9 @@ std::string planText(const Loop& loop, const std::string& rig, const std::string
   for (int i = 0; i < lampsOf(loop); ++i)
     if (!isLeftOut(loop, i)) lights += (lights.empty() ? "[\"" : ", [\"") + idOf(i) + "\"]";
   return "rig = \"" + rig + "\"\nspecimen = \"" + specimen + "\"\nseed = 1\ninterval = \"" +
-         std::to_string(kInterval) + "s\"\nduration = \"" + std::to_string(steps * kInterval) +
-         "s\"\n[[sweep]]\nlights = [" + lights + "]\nexposures = [\"1/50\"]\n" + rest;
+         std::to_string(intervalOf(loop)) + "s\"\nduration = \"" +
+         std::to_string(steps * intervalOf(loop)) + "s\"\n[[sweep]]\nlights = [" + lights +
+         "]\nexposures = [\"1/50\"]\n" + rest;
 }
 
 // Without its _: a specimen's id in a plan.
@@ -181,7 +184,7 @@ class Truth {
   static twin::TwinOptions options(const Loop& loop) {
     twin::TwinOptions options;
     options.seed = 1;
-    options.duration = std::chrono::seconds(kInterval) * loop.steps;
+    options.duration = std::chrono::seconds(intervalOf(loop)) * loop.steps;
     return options;
   }
 
@@ -331,7 +334,8 @@ LoopScore scoreOf(const Loop& loop, const TempFolder& folder) {
   const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(set);
   Judge judge(loop);
   for (int step = 0; step < info.steps(); ++step) {
-    const double share = info.times[static_cast<std::size_t>(step)] / (kInterval * loop.steps);
+    const double share =
+        info.times[static_cast<std::size_t>(step)] / (intervalOf(loop) * loop.steps);
     judge.judge(share, brdf::readBrdfMaps(set, info, step), info);
   }
   return judge.score();

@@ -46,7 +46,9 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
   // Of the others docs/reflectance.md tells what misses and why.
   if (loop.specimen == "banana_ripening" || loop.specimen == "wood_drying") {
-    EXPECT_LE(s.diffuse_rms, 0.015);
+    EXPECT_LE(s.diffuse_rms, loop.bin < 6 ? 0.015 : 0.01);  // small texels: the mosaic's
+    EXPECT_LE(s.told_specular_rms, 0.02);
+    EXPECT_LE(s.told_alpha_rms, loop.bin < 6 ? 0.05 : 0.03);
     EXPECT_LE(s.normal_median_deg, 0.2);
     EXPECT_LE(s.sure_specular_rms, 0.02);
     EXPECT_LE(s.sure_alpha_rms, 0.03);

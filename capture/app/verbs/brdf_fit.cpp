@@ -15,6 +15,7 @@ struct Options {
   RunFitOptions of_run;
   std::string in, lights, out;
   bool no_residual = false, alone = false;
+  double specular_spread = 0.02;
 };
 
 std::vector<int> parseNumbers(const std::string& text) {
@@ -53,6 +54,7 @@ void fitFolder(Context& context, Options& options) {
   request.lights = options.lights;
   request.residual = !options.no_residual;
   request.fit.neighbours = !options.alone;
+  request.fit.specular_spread = static_cast<float>(options.specular_spread);
   request.command = context.command;
   request.version = PATINA_VERSION;
   const workflow::ReflectanceOutcome outcome = workflow::fitReflectance(request, context.progress);
@@ -89,6 +91,7 @@ void fit(Context& context, Options& options) {
   workflow::RunReflectanceRequest& request = options.of_run.request;
   request.fit.model = options.request.fit.model;
   request.fit.neighbours = !options.alone;
+  request.fit.specular_spread = static_cast<float>(options.specular_spread);
   request.lights = options.lights;
   request.out = options.out;
   fitRunOfArchive(context, options.of_run, options.in);
@@ -117,6 +120,9 @@ void addBrdfVerbs(Verb root) {
       .flag("--no-residual", o->no_residual,
             "Keep nothing but the reflectance: no residual of stored values over the lights")
       .flag("--alone", o->alone, "Texels ask no neighbours for a gloss that they cannot tell")
+      .option("--specular-spread", o->specular_spread, 1e-3, 1,
+              "How far from 0.04, a dielectric's, specular reflectance is expected where lights do "
+              "not tell (default: 0.02; 1: no matter)")
       .option("--out", o->out, "SET", "Where to (default, of a run: inside the archive)");
   addRunFitOptions(verb, o->of_run);
 }

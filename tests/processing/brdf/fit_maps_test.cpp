@@ -21,6 +21,7 @@ void plantCurve(FitState& state, int x, int y, float at, float weight) {
 FitState plainState() {
   FitState state(kSize, 1);
   for (float& v : state.look.texels()) v = 0.4f;
+  for (float& v : state.curve_specular.texels()) v = kDielectric;
   return state;
 }
 
@@ -61,6 +62,51 @@ TEST(FitMaps, NeighboursThatDifferAmongThemselvesHoldLessFirmly) {
     return prior.log_r_weight.at(12, 12);
   };
   EXPECT_LT(certainty(0.4f), 0.1f * certainty(0));
+}
+
+TEST(FitMaps, WhatTexelsHaveTogetherDoesNotAverageOut) {
+  const auto certainty = [](float common) {
+    FitState state = plainState();
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        plantCurve(state, x, y, -1.3f, 4);
+        state.common.at(x, y) = common;
+      }
+    PriorMaps prior(kSize, 1);
+    Progress progress;
+    poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+    return prior.log_r_weight.at(12, 12);
+  };
+  EXPECT_NEAR(certainty(1), 4, 0.2f);
+  EXPECT_LT(certainty(0.1f), 0.4f * certainty(0));
+}
+
+// Costs that leave the roughness open, and strengths that go with it from 0.01 up to 0.6.
+TEST(FitMaps, WhatLightsLeaveOpenIsWhatDielectricsShow) {
+  FitState state = plainState();
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x)
+      for (int j = 0; j < lanes::kCurve; ++j)
+        state.curve_specular.at(x, y, j) = 0.01f * std::exp(0.15f * static_cast<float>(j));
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(12, 12), lanes::curveLogR(9), 0.1f);
+  EXPECT_FLOAT_EQ(prior.dielectric_weight.at(12, 12), 1 / (0.02f * 0.02f));
+}
+
+TEST(FitMaps, LightsThatTellOverruleWhatMaterialsMostlyAre) {
+  FitState state = plainState();
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      plantCurve(state, x, y, -1.3f, 4);
+      for (int j = 0; j < lanes::kCurve; ++j) state.curve_specular.at(x, y, j) = 0.6f;
+    }
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(12, 12), -1.3f, 0.01f);
+  EXPECT_EQ(prior.dielectric_weight.at(12, 12), 0);
 }
 
 TEST(FitMaps, AnotherTimeStepIsAWitness) {

@@ -34,12 +34,13 @@ TEST(LaneSteps, TheScanFindsTheNearestRoughness) {
 TEST(LaneSteps, CurvesAreLeastAtTheTruth) {
   const Planted planted{0.3f, 0.2f, 0.3f};
   Samples samples = plant(planted);
-  Lane curve[kCurve];
+  CostCurve curve;
   costCurve(Model::kGgx, samples, truthOf(planted), noPrior(), curve);
   int least = 0;
   for (int j = 1; j < kCurve; ++j)
-    if (curve[j][7] < curve[least][7]) least = j;
+    if (curve.cost[j][7] < curve.cost[least][7]) least = j;
   EXPECT_NEAR(curveLogR(least), std::log(0.3f), 0.08f);
+  EXPECT_NEAR(curve.ks[least][7], 0.2f, 0.03f);
 }
 
 TEST(LaneSteps, AnOutlierLosesWeightAndAShadowAllOfIt) {

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/brdf/fit_tile.h"
+
+#include "processing/brdf/ggx.h"
+
+namespace patina::brdf {
+
+using lanes::kLanes;
+
+FitTile::FitTile(const std::vector<FitSample>& samples, const MultiLightOptions& options)
+    : from_(samples),
+      options_(options),
+      size_(samples[0].picture.size()),
+      channels_(samples[0].picture.channels),
+      lanes_(samples.size()) {
+  for (std::size_t i = 0; i < samples.size(); ++i) lanes_.view[i] = samples[i].view;
+}
+
+void FitTile::load(int x0, int y) {
+  for (std::size_t i = 0; i < from_.size(); ++i) {
+    const FitSample& sample = from_[i];
+    LightRay ray = rayAt(sample.light, sample.view, 0, 0);
+    for (int k = 0; k < kLanes; ++k) {
+      const int x = column(x0, k);
+      if (sample.light.near) {
+        const PlaceMm place = placeOf(x, y, size_, options_.mm_per_texel);
+        ray = rayAt(sample.light, sample.view, place.x, place.y);
+      }
+      put(i, k, ray);
+      putLevel(i, k, sample.picture.texel(x, y));
+    }
+  }
+}
+
+void FitTile::put(std::size_t i, int k, const LightRay& ray) {
+  lanes_.lx[i][k] = ray.l.x;
+  lanes_.ly[i][k] = ray.l.y;
+  lanes_.lz[i][k] = ray.l.z;
+  lanes_.hx[i][k] = ray.h.x;
+  lanes_.hy[i][k] = ray.h.y;
+  lanes_.hz[i][k] = ray.h.z;
+  lanes_.v_h[i][k] = ray.v_h;
+  lanes_.m[i][k] = options_.model == Model::kGgx ? schlickWeight(ray.v_h) : 0.0f;
+  lanes_.e[i][k] = ray.irradiance;
+}
+
+void FitTile::putLevel(std::size_t i, int k, std::span<const float> texel) {
+  float sum = 0;
+  bool usable = lanes_.e[i][k] > 0;
+  for (const float v : texel) {
+    usable = usable && v < options_.saturated && v > -1.0f;  // NaN fails both
+    sum += v;
+  }
+  const float level = usable ? sum / static_cast<float>(texel.size()) : 0;
+  const FitNoise& noise = options_.noise;
+  const float above = std::max(level, 0.0f);
+  const float variance =
+      noise.floor * noise.floor + noise.shot * above + noise.gain * noise.gain * above * above;
+  lanes_.y[i][k] = level;
+  lanes_.noise[i][k] = usable ? 1 / variance : 0;
+}
+
+}  // namespace patina::brdf
