@@ -118,9 +118,9 @@ Image<float> euclidean(ImageView<const float> coefficients, std::span<const doub
 
 CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,
                                 int components, int patch, Progress& progress) {
-  PATINA_CHECK((components == 8 || components == 16) && patch >= 1 && !features.empty());
+  PATINA_CHECK((components == 4 || components == 8 || components == 16) && patch >= 1 && !features.empty());
   const bool guided = !guides.source.empty();
-  PATINA_CHECK(!guided || (guides.source.size() == features.size() && !guides.target.empty() &&
+  PATINA_CHECK(!guided || (components > 4 && guides.source.size() == features.size() && !guides.target.empty() &&
                            guides.source.channels == guides.target.channels));
   const ImageView<const float> own[] = {features}, both[] = {guides.source, guides.target};
   const Components style = leading(own, components, progress);

@@ -15,11 +15,9 @@
 namespace patina::patch {
 namespace {
 
-constexpr int kLanesMax = 4;  // whatever the number of threads: it is part of the result
-constexpr int kTileMaxPx = 32, kTileMinPx = 4;
-// At most this part of the target is in work at a time: at a thirty-second the energy is 5 %
-// higher.
-constexpr std::int64_t kInWorkShare = 128;
+// Of the penalty of even use: a candidate that is better by less is not worth a change, which wakes
+// its neighbours. Half of all changes were; without them the energy is no higher.
+constexpr double kLeastGain = 1.0 / 64;
 constexpr int kPassesAwake = 4;  // in which all eight neighbours have their turn
 
 struct Step {
@@ -55,22 +53,28 @@ NearestField::NearestField(ImageView<const std::int16_t> source, double scale, S
       distance_(patchDistance(options.patch, source.channels, simdPath())),
       kept_(limits.kept.begin(), limits.kept.end()),
       target_(target.width + 2 * reach_, target.height + 2 * reach_, source.channels),
-      wakefulness_(target, options.wraps, kPassesAwake) {
+      wakefulness_(target, options.wraps, kPassesAwake),
+      lanes_(target, options.wraps),
+      changes_(2 * static_cast<std::size_t>(lanes_.count())) {
   options.check();
   PATINA_CHECK(std::min(source.width, source.height) >= options.patch &&
                source.row_stride == std::ptrdiff_t{source.width} * source.channels &&
-               std::min(target.width, target.height) >= 1 && voted_ >= 8 && voted_ % 8 == 0 &&
+               std::min(target.width, target.height) >= 1 && voted_ >= 4 && voted_ % 4 == 0 &&
                (kept_.empty() || kept_.size() == indexOf(0, target.height)));
   const double texels = static_cast<double>(target.width) * target.height,
                source_texels = static_cast<double>(source.width) * source.height,
                even = texels / source_texels * options.patch * options.patch;
   penalty_scale_ = static_cast<float>(options.uniformity * scale * scale /
                                       (options.patch * options.patch * even));
+  least_gain_ =
+      static_cast<std::int32_t>(std::min(kLeastGain * options.uniformity * scale * scale, 1e9));
   markUsable(limits.usable);
   if (!limits.guide.empty()) placeGuide(limits.guide);
-  if (options.search == SearchKind::kCoherent)
+  if (options.search == SearchKind::kCoherent && limits.coarse != nullptr)
+    similar_.emplace_back(limits.coarse->similar_[0], limits.coarse->source_.size(), source.size(),
+                          options.patch, usable_);
+  else if (options.search == SearchKind::kCoherent)
     similar_.emplace_back(source, options.patch, usable_, options.similar);
-  layLanes();
 }
 
 void NearestField::markUsable(std::span<const std::uint8_t> usable) {
@@ -102,24 +106,6 @@ void NearestField::placeGuide(ImageView<const std::int16_t> guide) {
       std::copy_n(&guide.at(x, y), guide.channels, &target_.at(x + reach_, y + reach_, voted_));
 }
 
-void NearestField::layLanes() {
-  const std::int64_t in_work =
-      std::int64_t{target_size_.width} * target_size_.height / kInWorkShare;
-  tile_px_ = kTileMaxPx;
-  while (tile_px_ > kTileMinPx && std::int64_t{kLanesMax} * tile_px_ * tile_px_ > in_work)
-    tile_px_ /= 2;
-  const auto lanes = static_cast<int>(
-      std::clamp<std::int64_t>(in_work / (std::int64_t{tile_px_} * tile_px_), 1, kLanesMax));
-  columns_ = (target_size_.width + tile_px_ - 1) / tile_px_;
-  rows_ = (target_size_.height + tile_px_ - 1) / tile_px_;
-  // Bands of two tiles at least, the last one too where the target wraps: neighbours of a tile in
-  // work are then at rest.
-  band_ = std::max(2, (columns_ + lanes - 1) / lanes);
-  while (options_.wraps && columns_ > band_ && columns_ % band_ == 1) ++band_;
-  lanes_ = (columns_ + band_ - 1) / band_;
-  changes_.resize(static_cast<std::size_t>(lanes_));
-}
-
 void NearestField::start(std::vector<std::int32_t> centres) {
   centres_ = std::move(centres);
   PATINA_CHECK(centres_.size() == indexOf(0, target_size_.height));
@@ -134,9 +120,26 @@ void NearestField::start(std::vector<std::int32_t> centres) {
   distances_.assign(centres_.size(), 0);
   Occupancy occupancy({source_.width, source_.height}, options_.patch);
   for (const std::int32_t centre : centres_) occupancy.add(centre);
-  occupancy_.assign(static_cast<std::size_t>(lanes_), occupancy);
+  occupancy_.assign(static_cast<std::size_t>(lanes_.count()), occupancy);
   wakefulness_.wakeAll();
   for (std::size_t i = 0; i < centres_.size(); ++i) wakefulness_.noteChange(i);
+}
+
+void NearestField::wakeSeams() {
+  const int width = target_size_.width, height = target_size_.height;
+  std::vector<std::uint8_t> seams(centres_.size(), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (const Step after : {Step{1, 0}, Step{0, 1}}) {
+        const std::int32_t at = neighbour(x + after.x, y + after.y);
+        const std::size_t here = indexOf(x, y);
+        if (at < 0 || centres_[static_cast<std::size_t>(at)] ==
+                          centres_[here] + after.y * source_.width + after.x)
+          continue;
+        seams[here] = 1;
+        seams[static_cast<std::size_t>(at)] = 1;
+      }
+  wakefulness_.wakeOnly(seams);
 }
 
 Votes NearestField::votes() const {
@@ -144,7 +147,8 @@ Votes NearestField::votes() const {
 }
 
 void NearestField::voteTexel(const Votes& votes, int x, int y) {
-  for (int first = 0; first < voted_; first += 8) {
+  int first = 0;
+  for (; first + 8 <= voted_; first += 8) {
     __m128i low = _mm_setzero_si128(), high = low;
     const int count = forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
       const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(
@@ -158,6 +162,20 @@ void NearestField::voteTexel(const Votes& votes, int x, int y) {
     _mm_storeu_si128(reinterpret_cast<__m128i*>(&target_.at(x + reach_, y + reach_, first)),
                      _mm_packs_epi32(low, high));
   }
+  if (first < voted_) voteFour(votes, x, y, first);
+}
+
+void NearestField::voteFour(const Votes& votes, int x, int y, int first) {
+  __m128i sum = _mm_setzero_si128();
+  const int count = forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
+    sum = _mm_add_epi32(
+        sum, _mm_cvtepi16_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(
+                 source_.data + static_cast<std::ptrdiff_t>(texel) * source_.channels + first))));
+  });
+  const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(count));
+  sum = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(sum), share));
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(&target_.at(x + reach_, y + reach_, first)),
+                   _mm_packs_epi32(sum, sum));
 }
 
 void NearestField::padTarget() {
@@ -201,52 +219,47 @@ void NearestField::vote() {
   });
 }
 
-NearestField::Tile NearestField::tileOf(int lane, int column, int row, bool forward) const {
-  const int in_band = forward ? column : band_ - 1 - column, tx = lane * band_ + in_band,
-            ty = forward ? row : rows_ - 1 - row;
-  if (tx >= columns_) return {0, 0, 0, 0};
-  return {tx * tile_px_, std::min(target_size_.width, (tx + 1) * tile_px_), ty * tile_px_,
-          std::min(target_size_.height, (ty + 1) * tile_px_)};
-}
-
 void NearestField::search(int pass) {
   const bool forward = pass % 2 == 0;
   if (options_.search == SearchKind::kPatchMatch) wakefulness_.wakeAll();
   wakefulness_.beginPass();
-  for (int row = 0; row < rows_; ++row)
-    for (int column = 0; column < band_; ++column) {
-      tbb::parallel_for(0, lanes_, [&](int lane) {
-        changes_[static_cast<std::size_t>(lane)].clear();
-        sweep(lane, tileOf(lane, column, row, forward), pass, forward);
-      });
-      if (std::all_of(changes_.begin(), changes_.end(), [](const auto& c) { return c.empty(); }))
-        continue;
-      tbb::parallel_for(0, lanes_, [&](int lane) {
-        Occupancy& own = occupancy_[static_cast<std::size_t>(lane)];
-        for (int other = 0; other < lanes_; ++other)
-          if (other != lane)
-            for (const Change& change : changes_[static_cast<std::size_t>(other)]) {
-              own.add(change.to);
-              own.remove(change.from);
-            }
-      });
-    }
+  for (int step = 0; step < lanes_.steps(); ++step)
+    tbb::parallel_for(0, lanes_.count(), [&](int lane) {
+      takeOver(lane, step - 1);
+      changesOf(lane, step).clear();
+      sweep(lane, step, pass, forward);
+    });
+  tbb::parallel_for(0, lanes_.count(), [&](int lane) { takeOver(lane, lanes_.steps() - 1); });
 }
 
-void NearestField::sweep(int lane, const Tile& tile, int pass, bool forward) {
-  const int step = forward ? 1 : -1, width = target_size_.width;
+void NearestField::takeOver(int lane, int step) {
+  if (step < 0) return;
+  Occupancy& own = occupancy_[static_cast<std::size_t>(lane)];
+  for (int other = 0; other < lanes_.count(); ++other)
+    if (other != lane)
+      for (const Change& change : changesOf(other, step)) {
+        own.add(change.to);
+        own.remove(change.from);
+      }
+}
+
+void NearestField::sweep(int lane, int step, int pass, bool forward) {
+  const Tile tile = lanes_.tile(lane, step, forward);
+  const int ahead = forward ? 1 : -1, width = target_size_.width;
   for (int j = 0; j < tile.y1 - tile.y0; ++j)
     for (int i = 0; i < tile.x1 - tile.x0; ++i) {
       const int x = forward ? tile.x0 + i : tile.x1 - 1 - i,
                 y = forward ? tile.y0 + j : tile.y1 - 1 - j;
       const std::size_t at = indexOf(x, y);
-      const int left = x - step, up = y - step;
+      const int left = x - ahead, up = y - ahead;
       const bool moved =
           (left >= 0 && left < width && wakefulness_.changedNow(indexOf(left, y))) ||
           (up >= 0 && up < target_size_.height && wakefulness_.changedNow(indexOf(x, up)));
       if (!moved && !wakefulness_.awake(at)) continue;
       if (fixed(at)) continue;
-      judge(lane, x, y, pass, step);
+      const std::int32_t before = centres_[at];
+      judge(lane, x, y, pass, ahead);
+      if (centres_[at] != before) changesOf(lane, step).push_back({before, centres_[at]});
     }
 }
 
@@ -263,8 +276,7 @@ std::int32_t NearestField::neighbour(int x, int y) const {
 
 struct NearestField::Judge {
   NearestField& field;
-  Occupancy& occupancy;
-  std::vector<Change>& changes;
+  const Occupancy& occupancy;
   const std::int16_t* target;
   Candidate best;
 
@@ -274,16 +286,13 @@ struct NearestField::Judge {
   }
   void propose(std::int32_t centre) {
     if (centre == best.centre) return;
-    const std::int32_t bound = best.distance + best.penalty - penalty(centre);
+    const std::int32_t its_penalty = penalty(centre),
+                       bound = best.distance + best.penalty - its_penalty - field.least_gain_;
     if (bound <= 0) return;
     const std::int32_t distance =
         field.distance_(target, field.sourceCorner(centre), field.target_.view().row_stride,
                         field.source_.row_stride, bound);
-    if (distance >= bound) return;
-    changes.push_back({best.centre, centre});
-    occupancy.add(centre);
-    occupancy.remove(best.centre);
-    best = {centre, distance, penalty(centre)};
+    if (distance < bound) best = {centre, distance, its_penalty};
   }
   // Candidates lie anywhere in the source: asked for before the neighbours' are judged.
   void fetchSimilar(std::int32_t to) const {
@@ -325,16 +334,13 @@ struct NearestField::Judge {
   }
 };
 
-void NearestField::judge(int lane, int x, int y, int pass, int step) {
+void NearestField::judge(int lane, int x, int y, int pass, int ahead) {
   const std::size_t at = indexOf(x, y);
-  Judge judge{*this,
-              occupancy_[static_cast<std::size_t>(lane)],
-              changes_[static_cast<std::size_t>(lane)],
-              &target_.at(x, y),
-              {centres_[at], distances_[at], 0}};
+  Occupancy& occupancy = occupancy_[static_cast<std::size_t>(lane)];
+  Judge judge{*this, occupancy, &target_.at(x, y), {centres_[at], distances_[at], 0}};
   judge.best.penalty = judge.penalty(centres_[at]);
   if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
-  for (const Step before : {Step{-step, 0}, Step{0, -step}})
+  for (const Step before : {Step{-ahead, 0}, Step{0, -ahead}})
     if (const std::int32_t centre = judge.continued(x, y, before); centre >= 0)
       judge.propose(centre);
   if (options_.search == SearchKind::kCoherent) {
@@ -355,7 +361,10 @@ void NearestField::judge(int lane, int x, int y, int pass, int step) {
     judge.proposeRandom(hashSeed(options_.seed, static_cast<std::uint64_t>(pass),
                                  static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
   }
-  if (judge.best.centre != centres_[at]) wakefulness_.noteChange(at);
+  if (judge.best.centre == centres_[at]) return;
+  wakefulness_.noteChange(at);
+  occupancy.add(judge.best.centre);
+  occupancy.remove(centres_[at]);
   centres_[at] = judge.best.centre;
   distances_[at] = judge.best.distance;
 }

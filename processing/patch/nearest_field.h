@@ -11,8 +11,8 @@
 //
 // A lane is a band of the target's columns of tiles; it sweeps its band tile by tile, in step with
 // the others, so that tiles in work never touch. It has its own copy of the occupancy: what all
-// knew before this step, and its own changes. A step ends when all lanes are done; then every lane
-// takes over the others' changes.
+// knew before this step, and its own changes. A step ends when all lanes are done; with the next
+// one every lane takes over the others' changes.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "processing/image/image.h"
+#include "processing/patch/lanes.h"
 #include "processing/patch/occupancy.h"
 #include "processing/patch/patch_distance.h"
 #include "processing/patch/similar_patches.h"
@@ -44,6 +45,8 @@ struct FieldOptions {
   void check() const;  // throws ProcessingError(kUsage): field, value, range
 };
 
+class NearestField;
+
 // What limits a field. All spans are copied.
 struct FieldLimits {
   std::span<const std::uint8_t> usable = {};  // [h][w] of the source: no patch covers a 0
@@ -51,6 +54,8 @@ struct FieldLimits {
                                               // shown there whatever the patches say; -1: none
   ImageView<const std::int16_t> guide = {};   // [h][w][n] of the target; n a multiple of 8. The
                                               // source's last n components are its guides
+  const NearestField* coarse = nullptr;       // of the level above: what is similar there is taken
+                                              // to be similar here. Null: an index is made
 };
 
 struct FieldEnergy {
@@ -60,14 +65,18 @@ struct FieldEnergy {
 
 class NearestField {
  public:
-  // `source` [h][w][8, 16 or 24] integers, `scale` times the features meant; borrowed, rows without
-  // gaps. Both sizes at least `patch`. Throws ProcessingError(kUsage) where no patch is usable.
+  // `source` [h][w][4, 8, 16 or 24] integers, `scale` times the features meant; borrowed, rows
+  // without gaps. Both sizes at least `patch`. Throws ProcessingError(kUsage) where no patch is
+  // usable.
   NearestField(ImageView<const std::int16_t> source, double scale, SizePx target,
                const FieldOptions& options, const FieldLimits& limits = {});
 
   // Centres [h][w] as y * source width + x, at least patch / 2 from the source's edge. Where one is
   // not usable, a usable one takes its place; what is kept is its own patch's centre, if usable.
   void start(std::vector<std::int32_t> centres);
+  // After start() with a field of a coarser level: patches that the four beside them continue sleep
+  // until something near them changes. Not where a guide leads: it asks for more on every level.
+  void wakeSeams();
   const std::vector<std::int32_t>& centres() const { return centres_; }
 
   void vote();            // target texels <- mean of what the patches over them show
@@ -79,9 +88,6 @@ class NearestField {
   struct Change {
     std::int32_t from, to;
   };
-  struct Tile {
-    int x0, x1, y0, y1;
-  };
   struct Candidate {
     std::int32_t centre, distance, penalty;
   };
@@ -89,11 +95,14 @@ class NearestField {
 
   void markUsable(std::span<const std::uint8_t> usable);
   void placeGuide(ImageView<const std::int16_t> guide);
-  void layLanes();
-  Tile tileOf(int lane, int column, int row, bool forward) const;
-  void sweep(int lane, const Tile& tile, int pass, bool forward);
-  void judge(int lane, int x, int y, int pass, int step);
+  void takeOver(int lane, int step);  // what the other lanes changed in it
+  void sweep(int lane, int step, int pass, bool forward);
+  void judge(int lane, int x, int y, int pass, int ahead);
+  std::vector<Change>& changesOf(int lane, int step) {
+    return changes_[static_cast<std::size_t>(2 * lane + step % 2)];
+  }
   void voteTexel(const Votes& votes, int x, int y);
+  void voteFour(const Votes& votes, int x, int y, int first);
   void padTarget();
   bool fixed(std::size_t at) const {
     return !kept_.empty() && kept_[at] >= 0 && usable_[static_cast<std::size_t>(kept_[at])] != 0;
@@ -115,6 +124,7 @@ class NearestField {
   int reach_, corner_, voted_;  // corner_: from a centre to its patch's corner, in texels; voted_:
                                 // components that are voted, the guide's behind them
   float penalty_scale_;
+  std::int32_t least_gain_;  // of a candidate that is taken
   PatchDistance distance_;
   std::vector<std::uint8_t> usable_;
   std::vector<std::int32_t> kept_;
@@ -123,9 +133,9 @@ class NearestField {
   std::vector<std::int32_t> centres_, distances_;
   Wakefulness wakefulness_;
 
-  int tile_px_ = 0, lanes_ = 0, band_ = 0, columns_ = 0, rows_ = 0;
+  Lanes lanes_;
   std::vector<Occupancy> occupancy_;          // a lane
-  std::vector<std::vector<Change>> changes_;  // a lane, in this step
+  std::vector<std::vector<Change>> changes_;  // a lane, in this step and the one before
 };
 
 }  // namespace patina::patch

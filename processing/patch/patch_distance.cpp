@@ -17,18 +17,27 @@ inline std::int32_t sumOfBaseline(__m128i v) {
   return _mm_cvtsi128_si32(_mm_add_epi32(v, _mm_shuffle_epi32(v, 0xb1)));
 }
 
+// Four numbers, zeros behind.
+inline __m128i squaresOfFour(const std::int16_t* a, const std::int16_t* b) {
+  const __m128i d = _mm_sub_epi16(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(a)),
+                                  _mm_loadl_epi64(reinterpret_cast<const __m128i*>(b)));
+  return _mm_madd_epi16(d, d);
+}
+
 const __m128i* at128(const std::int16_t* p) { return reinterpret_cast<const __m128i*>(p); }
 const __m256i* at256(const std::int16_t* p) { return reinterpret_cast<const __m256i*>(p); }
 
 template <int kPatch, int kComponents>
 std::int32_t distanceBaseline(const std::int16_t* a, const std::int16_t* b, std::ptrdiff_t a_stride,
                               std::ptrdiff_t b_stride, std::int32_t bound) {
+  constexpr int kRow = kPatch * kComponents, kWhole = kRow / 8 * 8;
   __m128i sum = _mm_setzero_si128();
   for (int row = 0; row < kPatch; ++row, a += a_stride, b += b_stride) {
-    for (int i = 0; i < kPatch * kComponents; i += 8) {
+    for (int i = 0; i < kWhole; i += 8) {
       const __m128i d = _mm_sub_epi16(_mm_loadu_si128(at128(a + i)), _mm_loadu_si128(at128(b + i)));
       sum = _mm_add_epi32(sum, _mm_madd_epi16(d, d));
     }
+    if constexpr (kWhole < kRow) sum = _mm_add_epi32(sum, squaresOfFour(a + kWhole, b + kWhole));
     if (row == 1) {
       const std::int32_t part = sumOfBaseline(sum);
       if (part >= bound) return part;
@@ -50,11 +59,13 @@ template <int kPatch, int kComponents>
           _mm256_sub_epi16(_mm256_loadu_si256(at256(a + i)), _mm256_loadu_si256(at256(b + i)));
       sum = _mm256_add_epi32(sum, _mm256_madd_epi16(d, d));
     }
-    if constexpr (kWhole < kRow) {
+    if constexpr (kRow - kWhole >= 8) {
       const __m128i d =
           _mm_sub_epi16(_mm_loadu_si128(at128(a + kWhole)), _mm_loadu_si128(at128(b + kWhole)));
       rest = _mm_add_epi32(rest, _mm_madd_epi16(d, d));
     }
+    if constexpr (kRow % 8 != 0)
+      rest = _mm_add_epi32(rest, squaresOfFour(a + kRow - 4, b + kRow - 4));
     if (row == 1) {
       const __m128i half =
           _mm_add_epi32(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
@@ -109,8 +120,9 @@ PatchDistance on(SimdPath path) {
 
 template <int kPatch>
 PatchDistance of(int components, SimdPath path) {
-  PATINA_CHECK(components == 8 || components == 16 || components == 24);
-  return components == 8    ? on<kPatch, 8>(path)
+  PATINA_CHECK(components == 4 || components == 8 || components == 16 || components == 24);
+  return components == 4    ? on<kPatch, 4>(path)
+         : components == 8  ? on<kPatch, 8>(path)
          : components == 16 ? on<kPatch, 16>(path)
                             : on<kPatch, 24>(path);
 }

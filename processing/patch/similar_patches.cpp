@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <climits>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "processing/image/simd_path.h"
 #include "processing/patch/patch_distance.h"
@@ -17,8 +19,9 @@ namespace patina::patch {
 namespace {
 
 constexpr std::size_t kComponents = 4, kDimensions = 3 * kComponents;
-constexpr int kLeaf = 32;
-constexpr std::size_t kShortList = 8;  // by their keys; then by the whole distance
+constexpr std::size_t kLeaf = 32;
+constexpr std::size_t kShortList = 8,  // by their keys; then by the whole distance
+    kListedMost = 16;
 
 using Key = std::array<float, kDimensions>;
 
@@ -47,27 +50,18 @@ Key keyOf(ImageView<const std::int16_t> f, int x, int y, int reach) {
   return key;
 }
 
-float difference(const Key& a, const Key& b) {
-  // Four sums, so that they may be added side by side.
-  std::array<float, 4> sum{};
-  for (std::size_t i = 0; i < kDimensions; i += 4)
-    for (std::size_t k = 0; k < 4; ++k) sum[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
-  return sum[0] + sum[1] + (sum[2] + sum[3]);
-}
-
 // The patches in an order in which each run of at most kLeaf is a leaf of a k-d tree. Trees differ
 // by which of the wide dimensions they cut.
 class Leaves {
  public:
   Leaves(const std::vector<Key>& keys, std::vector<std::int32_t> patches, int tree)
-      : keys_(keys), tree_(tree), patches_(std::move(patches)), leaf_of_(keys.size(), 0) {
+      : keys_(keys), tree_(tree), patches_(std::move(patches)) {
     if (!patches_.empty()) split(0, patches_.size(), 0);
   }
-  // Leaf mates of a patch, itself among them.
-  std::span<const std::int32_t> mates(std::int32_t patch) const {
-    const auto leaf = static_cast<std::size_t>(leaf_of_[static_cast<std::size_t>(patch)]);
-    return {&patches_[starts_[leaf]],
-            (leaf + 1 < starts_.size() ? starts_[leaf + 1] : patches_.size()) - starts_[leaf]};
+  std::size_t count() const { return starts_.size(); }
+  std::span<const std::int32_t> leaf(std::size_t at) const {
+    const std::size_t end = at + 1 < starts_.size() ? starts_[at + 1] : patches_.size();
+    return {&patches_[starts_[at]], end - starts_[at]};
   }
 
  private:
@@ -98,8 +92,6 @@ class Leaves {
 
   void split(std::size_t first, std::size_t last, int depth) {  // NOLINT(misc-no-recursion)
     if (last - first <= kLeaf) {
-      for (std::size_t i = first; i < last; ++i)
-        leaf_of_[static_cast<std::size_t>(patches_[i])] = static_cast<std::int32_t>(starts_.size());
       starts_.push_back(first);
       return;
     }
@@ -121,30 +113,68 @@ class Leaves {
   const std::vector<Key>& keys_;
   int tree_;
   std::vector<std::int32_t> patches_;
-  std::vector<std::int32_t> leaf_of_;
   std::vector<std::size_t> starts_;
 };
 
-// The `size` least of what is offered, in order; the first offered wins a tie.
-template <class Distance, std::size_t kMost>
-struct Least {
+// Of each patch the nearest few by their keys, nearest first; of equal ones what came first.
+class ShortLists {
+ public:
+  ShortLists(std::size_t patches, std::size_t length)
+      : length_(length), entries_(patches * length, {FLT_MAX, -1}) {}
+
+  float worst(std::int32_t of) const { return list(of)[length_ - 1].difference; }
+  void offer(std::int32_t of, float difference, std::int32_t patch) {
+    Entry* entries = list(of);
+    for (std::size_t i = 0; i < length_; ++i)
+      if (entries[i].patch == patch) return;
+    std::size_t at = length_ - 1;
+    for (; at > 0 && difference < entries[at - 1].difference; --at) entries[at] = entries[at - 1];
+    entries[at] = {difference, patch};
+  }
+  // -1: there are no more.
+  std::int32_t patch(std::int32_t of, std::size_t at) const { return list(of)[at].patch; }
+
+ private:
   struct Entry {
-    Distance distance;
+    float difference;
     std::int32_t patch;
   };
-  std::array<Entry, kMost> entries;
-  std::size_t found = 0, size = kMost;
-
-  bool full() const { return found == size; }
-  void offer(Distance distance, std::int32_t patch) {
-    if (full() && !(distance < entries[found - 1].distance)) return;
-    for (std::size_t i = 0; i < found; ++i)
-      if (entries[i].patch == patch) return;
-    std::size_t at = full() ? found - 1 : found++;
-    for (; at > 0 && distance < entries[at - 1].distance; --at) entries[at] = entries[at - 1];
-    entries[at] = {distance, patch};
+  const Entry* list(std::int32_t of) const {
+    return &entries_[static_cast<std::size_t>(of) * length_];
   }
+  Entry* list(std::int32_t of) { return &entries_[static_cast<std::size_t>(of) * length_]; }
+
+  std::size_t length_;
+  std::vector<Entry> entries_;
 };
+
+// Compares all patches of a leaf with each other. Leaves of one tree share no patch, so several
+// threads may do this at once.
+void compareLeaf(std::span<const std::int32_t> leaf, const std::vector<Key>& keys, int width,
+                 int apart, ShortLists& lists) {
+  std::array<std::array<float, kLeaf>, kDimensions> columns;
+  std::array<int, kLeaf> x, y;
+  for (std::size_t i = 0; i < leaf.size(); ++i) {
+    const Key& key = keys[static_cast<std::size_t>(leaf[i])];
+    for (std::size_t d = 0; d < kDimensions; ++d) columns[d][i] = key[d];
+    x[i] = leaf[i] % width;
+    y[i] = leaf[i] / width;
+  }
+  for (std::size_t d = 0; d < kDimensions; ++d)
+    std::fill(columns[d].begin() + static_cast<std::ptrdiff_t>(leaf.size()), columns[d].end(), 0.f);
+  for (std::size_t i = 0; i < leaf.size(); ++i) {
+    std::array<float, kLeaf> difference{};
+    for (std::size_t d = 0; d < kDimensions; ++d) {
+      const float mine = columns[d][i];
+      for (std::size_t j = 0; j < kLeaf; ++j)
+        difference[j] += (columns[d][j] - mine) * (columns[d][j] - mine);
+    }
+    for (std::size_t j = 0; j < leaf.size(); ++j)
+      if (difference[j] < lists.worst(leaf[i]) &&
+          (std::abs(x[j] - x[i]) >= apart || std::abs(y[j] - y[i]) >= apart))
+        lists.offer(leaf[i], difference[j], leaf[j]);
+  }
+}
 
 }  // namespace
 
@@ -168,38 +198,61 @@ SimilarPatches::SimilarPatches(ImageView<const std::int16_t> features, int patch
   tbb::parallel_for(0, options.trees, [&](int i) {
     trees[static_cast<std::size_t>(i)] = std::make_unique<Leaves>(keys, patches, i);
   });
+  const auto most = static_cast<std::size_t>(count_);
+  const std::size_t listed = std::max(most, kShortList);
+  ShortLists lists(usable.size(), listed);
+  for (const auto& tree : trees)
+    tbb::parallel_for(std::size_t{0}, tree->count(), [&](std::size_t leaf) {
+      compareLeaf(tree->leaf(leaf), keys, width, options.apart, lists);
+    });
   const PatchDistance distance = patchDistance(patch, features.channels, simdPath());
   const auto corner = [&](std::int32_t c) {
     return &features.at(c % width - reach, c / width - reach);
   };
-  const auto most = static_cast<std::size_t>(count_);
   similar_.assign(usable.size() * most, -1);
   tbb::parallel_for(reach, features.height - reach, [&](int y) {
     for (int x = reach; x < width - reach; ++x) {
       const std::int32_t me = y * width + x;
       if (usable[static_cast<std::size_t>(me)] == 0) continue;
-      Least<float, 16> listed;
-      listed.size = std::max(most, kShortList);
-      for (const auto& tree : trees)
-        for (const std::int32_t other : tree->mates(me)) {
-          const float d =
-              difference(keys[static_cast<std::size_t>(me)], keys[static_cast<std::size_t>(other)]);
-          if (listed.full() && !(d < listed.entries[listed.found - 1].distance)) continue;
-          if (std::abs(other % width - x) < options.apart &&
-              std::abs(other / width - y) < options.apart)
-            continue;
-          listed.offer(d, other);
-        }
-      Least<std::int32_t, 16> nearest;
-      nearest.size = most;
-      for (std::size_t i = 0; i < listed.found; ++i) {
-        const std::int32_t other = listed.entries[i].patch;
-        nearest.offer(
+      std::array<std::pair<std::int32_t, std::int32_t>, kListedMost> nearest;
+      std::size_t found = 0;
+      for (; found < listed && lists.patch(me, found) >= 0; ++found) {
+        const std::int32_t other = lists.patch(me, found);
+        nearest[found] = {
             distance(corner(me), corner(other), features.row_stride, features.row_stride, INT_MAX),
-            other);
+            other};
       }
-      for (std::size_t i = 0; i < nearest.found; ++i)
-        similar_[static_cast<std::size_t>(me) * most + i] = nearest.entries[i].patch;
+      const auto end = nearest.begin() + static_cast<std::ptrdiff_t>(found);
+      std::sort(nearest.begin(), end);
+      for (std::size_t i = 0; i < std::min(found, most); ++i)
+        similar_[static_cast<std::size_t>(me) * most + i] = nearest[i].second;
+    }
+  });
+}
+
+SimilarPatches::SimilarPatches(const SimilarPatches& coarse, SizePx coarse_size, SizePx size,
+                               int patch, std::span<const std::uint8_t> usable)
+    : count_(coarse.count_) {
+  const int reach = patch / 2;
+  const auto most = static_cast<std::size_t>(count_);
+  PATINA_CHECK(usable.size() ==
+               static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+  similar_.assign(usable.size() * most, -1);
+  const auto above = [&](int i, int length) {
+    return std::clamp(i / 2, reach, length - 1 - reach);
+  };
+  tbb::parallel_for(reach, size.height - reach, [&](int y) {
+    for (int x = reach; x < size.width - reach; ++x) {
+      const int cx = above(x, coarse_size.width), cy = above(y, coarse_size.height);
+      const std::int32_t* at = coarse.of(cy * coarse_size.width + cx);
+      std::int32_t* to = &similar_[static_cast<std::size_t>(y * size.width + x) * most];
+      for (int k = 0; k < count_ && at[k] >= 0; ++k) {
+        const int sx = x + 2 * (at[k] % coarse_size.width - cx),
+                  sy = y + 2 * (at[k] / coarse_size.width - cy);
+        if (sx < 0 || sy < 0 || sx >= size.width || sy >= size.height) continue;
+        const std::int32_t other = sy * size.width + sx;
+        if (usable[static_cast<std::size_t>(other)] != 0) *to++ = other;
+      }
     }
   });
 }

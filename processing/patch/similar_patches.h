@@ -20,10 +20,14 @@ struct SimilarOptions {
 
 class SimilarPatches {
  public:
-  // `features` [h][w][multiple of 8], rows without gaps, at least `patch` texels each way.
+  // `features` [h][w][4 or a multiple of 8], rows without gaps, at least `patch` texels each way.
   // `usable` [h][w]: 0 where no patch may be centred. O(texels * log(texels)).
   SimilarPatches(ImageView<const std::int16_t> features, int patch,
                  std::span<const std::uint8_t> usable, const SimilarOptions& options);
+
+  // Those of the level above, twice as far away: nothing is compared. `usable` is of this level.
+  SimilarPatches(const SimilarPatches& coarse, SizePx coarse_size, SizePx size, int patch,
+                 std::span<const std::uint8_t> usable);
 
   int count() const { return count_; }
   // Centres, nearest first; -1 where there are no more.

@@ -33,6 +33,13 @@ Wakefulness::Wakefulness(SizePx target, bool wraps, int passes)
 
 void Wakefulness::wakeAll() { std::fill(history_.begin(), history_.end(), kept_); }
 
+void Wakefulness::wakeOnly(const std::vector<std::uint8_t>& map) {
+  PATINA_CHECK(map.size() == history_.size());
+  std::transform(map.begin(), map.end(), history_.begin(),
+                 [this](std::uint8_t awake) { return awake != 0 ? kept_ : std::uint8_t{0}; });
+  std::fill(since_vote_.begin(), since_vote_.end(), std::uint8_t{1});
+}
+
 void Wakefulness::beginPass() {
   // Bit 0 is the pass that ended; what is left of it after the shift counts down `passes`.
   awake_ = spread(history_, 1);

@@ -17,6 +17,7 @@ class Wakefulness {
   Wakefulness(SizePx target, bool wraps, int passes);
 
   void wakeAll();
+  void wakeOnly(const std::vector<std::uint8_t>& map);  // where it is not 0; votes: everywhere
   void beginPass();  // spreads what changed before; call from one thread
 
   // In a pass. Each index is written by one thread only; others read it when that thread rests.

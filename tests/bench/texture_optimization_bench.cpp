@@ -4,6 +4,8 @@
 // a corner of the published set in $PATINA_TEST_DATA.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -61,7 +63,7 @@ void count(benchmark::State& state, const optimization::OptimizedField& field) {
       benchmark::Counter(kResult * kResult, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// search (0: coherent, 1: PatchMatch), degree
+// search (0: coherent, 1: PatchMatch), degree, effort (0: full, 1: quick)
 void BM_Enlarge(benchmark::State& state) {
   std::optional<stbrdf::StbrdfSet> set = sampleSet();
   if (!set) {
@@ -69,37 +71,44 @@ void BM_Enlarge(benchmark::State& state) {
     return;
   }
   if (state.range(1) == 5) raiseTo5(*set);
+  optimization::EnlargeOptions options = optionsFor(state);
+  if (state.range(2) == 1) options.optimize.effort = optimization::Effort::kQuick;
   optimization::OptimizedField field;
   for (auto _ : state) {
     Progress progress;
-    field = optimization::enlarge(*set, optionsFor(state), {}, progress).field;
+    field = optimization::enlarge(*set, options, {}, progress).field;
   }
   count(state, field);
 }
 BENCHMARK(BM_Enlarge)
-    ->ArgsProduct({{0, 1}, {3, 5}})
+    ->ArgsProduct({{0, 1}, {3, 5}, {0}})
+    ->Args({0, 3, 1})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
 
+// 8-bit RGB. search, effort (0: full, 1: quick)
 void BM_EnlargePicture(benchmark::State& state) {
   const std::optional<stbrdf::StbrdfSet> set = sampleSet();
   if (!set) {
     state.SkipWithError("needs PATINA_TEST_DATA");
     return;
   }
-  const Image<float>& picture = set->find("Diffuse")->coefficients[0];
+  Image<float> picture = set->find("Diffuse")->coefficients[0];
+  for (float& v : picture.texels()) v = std::round(std::clamp(v, 0.0f, 1.0f) * 255) / 255;
+  optimization::OptimizeOptions options = optionsFor(state).optimize;
+  options.effort = state.range(1) == 0 ? optimization::Effort::kFull : optimization::Effort::kQuick;
   optimization::OptimizedField field;
   for (auto _ : state) {
     Progress progress;
-    field = optimization::enlargePicture(picture.view(), optionsFor(state).optimize, {}, progress)
-                .field;
+    field = optimization::enlargePicture(picture.view(), options, {}, progress).field;
   }
   count(state, field);
 }
 BENCHMARK(BM_EnlargePicture)
-    ->Arg(0)
-    ->Arg(1)
+    ->Args({0, 1})
+    ->Args({0, 0})
+    ->Args({1, 0})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();

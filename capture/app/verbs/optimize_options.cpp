@@ -58,6 +58,8 @@ void addOptimizeOptions(Verb& verb, OptimizeArguments& into) {
               "Side of a patch in texels: 3, 5 or 7 (default: 5)")
       .option("--search", into.search, "coherent|patchmatch",
               "How patches are found (default: coherent; PatchMatch is patented)")
+      .option("--effort", into.effort, "quick|full",
+              "Quick: few rounds on the two finest levels (default: full; of a picture: quick)")
       .option("--rounds", into.optimize.rounds, 1, 1000, "Of search and vote, a level (default: 8)")
       .option("--passes", into.optimize.passes, 1, 1000, "Of search, a round (default: 2)")
       .option("--components", into.optimize.components, 8, 16,
@@ -67,6 +69,10 @@ void addOptimizeOptions(Verb& verb, OptimizeArguments& into) {
 void settle(OptimizeArguments& arguments, const Context& context) {
   if (arguments.search != "coherent" && arguments.search != "patchmatch")
     refuse("--search is '" + arguments.search + "'; allowed: coherent, patchmatch");
+  if (arguments.effort != "quick" && arguments.effort != "full")
+    refuse("--effort is '" + arguments.effort + "'; allowed: quick, full");
+  arguments.optimize.effort =
+      arguments.effort == "quick" ? optimization::Effort::kQuick : optimization::Effort::kFull;
   arguments.optimize.field.seed = context.seed();
   arguments.optimize.field.search = arguments.search == "coherent" ? patch::SearchKind::kCoherent
                                                                    : patch::SearchKind::kPatchMatch;

@@ -12,7 +12,7 @@ namespace patina::app {
 
 struct OptimizeArguments {
   texture_optimization::OptimizeOptions optimize;
-  std::string search = "coherent", mask, keep, keep_from = "0,0";
+  std::string search = "coherent", effort = "full", mask, keep, keep_from = "0,0";
   std::vector<std::string> guides;
   double gradient = 0;
 };

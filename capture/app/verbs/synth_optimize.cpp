@@ -39,6 +39,7 @@ std::string provenanceOf(const Options& options, const Context& context) {
   making.options.count("patch", optimize.field.patch);
   making.options.number("uniformity", optimize.field.uniformity);
   making.options.set("tile", optimize.field.wraps);
+  making.options.text("effort", options.arguments.effort);
   making.options.count("rounds", optimize.rounds);
   making.options.count("passes", optimize.passes);
   making.options.count("components", optimize.components);
@@ -85,9 +86,10 @@ optimization::OptimizedField optimizeFile(const Options& options, Context& conte
 }
 
 void run(Context& context, Options& options) {
+  const bool ttf = fs::path(options.in).extension() == ".h5";
+  if (options.arguments.effort.empty()) options.arguments.effort = ttf ? "full" : "quick";
   settle(options.arguments, context);
   refuseThatIsThere({options.out, options.nnf});
-  const bool ttf = fs::path(options.in).extension() == ".h5";
   const std::string extension = fs::path(options.out).extension();
   if (ttf ? extension != ".h5" : extension != ".png" && extension != ".exr")
     throw AppError(Exit::kUsage, "--out is '" + options.out + "'; " +
@@ -118,6 +120,7 @@ void addSynthOptimizeVerb(Verb synth) {
       .option("--size", o->arguments.optimize.size, parseSize, "WxH", "Of the result, in pixels")
       .option("--out", o->out, "FILE", ".png or .exr of a picture, .h5 of a texture")
       .option("--nnf", o->nnf, "FILE.npy", "Also write which patch each pixel's patch shows");
+  o->arguments.effort.clear();
   addOptimizeOptions(verb, o->arguments);
   verb.demand("--size").demand("--out");
 }

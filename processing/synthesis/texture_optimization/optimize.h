@@ -18,12 +18,19 @@
 
 namespace patina::texture_optimization {
 
+enum class Effort {
+  kFull,
+  kQuick,  // 2 and 4 rounds on the two finest levels, and on the finest one no index of its own: 1
+           // to 7 % more energy in less than half the time
+};
+
 struct OptimizeOptions {
   SizePx size{1024, 1024};  // of the result, at least the patch
   patch::FieldOptions field;
-  int rounds = 8;                   // of search and vote, a level
+  Effort effort = Effort::kFull;
+  int rounds = 8;                   // of search and vote, a level; at most, where quick
   int passes = 2;                   // over what is awake, a round
-  int components = 8;               // compared; 8 or 16
+  int components = 8;               // compared; 8 or 16 (4, where features have no more)
   int coarsest_px = 11;             // side of the smallest level of the sample, at least
   void check(SizePx source) const;  // throws ProcessingError(kUsage): field, value, range
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/synthesis/texture_optimization/sharp_vote.h"
 
+#include <immintrin.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,26 +15,42 @@ namespace {
 
 constexpr std::size_t kVotesMax = 49;  // of patches of 7
 constexpr int kAround = 2;             // surroundings: 5 x 5 texels
-constexpr int kBandRows = 24;
+constexpr int kBandRows = 48;
 
 int wrapped(int i, int length) { return (i % length + length) % length; }
+
+// Texels of a multiple of four numbers, zeros behind: whole registers are added.
+template <class T>
+Image<float> padded(ImageView<const T> source, int count) {
+  Image<float> out(source.width, source.height, (count + 3) / 4 * 4);
+  forEachRow(out.height(), std::int64_t{out.width()} * count, [&](int y) {
+    for (int x = 0; x < out.width(); ++x) std::copy_n(&source.at(x, y), count, &out.at(x, y));
+  });
+  return out;
+}
+
+enum class Spread { kLeftOut, kMeasured };
 
 // Means of the votes over rows [first, last) of the target and kAround more on both sides.
 class Band {
  public:
-  Band(ImageView<const float> source, const patch::Votes& votes, int first, int last)
+  // `source`: as padded() gives it.
+  Band(const Image<float>& source, const patch::Votes& votes, int first, int last, Spread spread)
       : source_(source),
         votes_(votes),
         first_(first - kAround),
-        channels_(static_cast<std::size_t>(source.channels)),
+        channels_(static_cast<std::size_t>(source.channels())),
         means_(static_cast<std::size_t>(last - first + 2 * kAround) * rowLength()),
         above_(rowLength()) {
+    if (spread == Spread::kMeasured) spreads_.resize(means_.size() / channels_);
     for (int y = first_; y < last + kAround; ++y)
       if (isThere(y))
         for (int x = 0; x < votes.target.width; ++x) voteTexel(x, y);
   }
 
-  std::span<const float> row(int y) const { return {mean(0, y), rowLength()}; }
+  const float* mean(int x, int y) const { return &means_[texelOf(x, y) * channels_]; }
+  // Variance of the votes about their mean, summed over channels.
+  float spread(int x, int y) const { return spreads_[texelOf(x, y)]; }
 
   // Prepares detail() for row y.
   void turnTo(int y) {
@@ -47,81 +64,69 @@ class Band {
     }
   }
   // The mean at (x, y) less the mean of its surroundings.
-  void detail(int x, int y, std::span<float> out) const {
-    std::fill(out.begin(), out.end(), 0.0f);
-    const int width = votes_.target.width;
-    int columns = 0;
-    for (int i = x - kAround; i <= x + kAround; ++i) {
-      if (!votes_.wraps && (i < 0 || i >= width)) continue;
-      const float* from = &above_[static_cast<std::size_t>(wrapped(i, width)) * channels_];
-      for (std::size_t c = 0; c < channels_; ++c) out[c] += from[c];
-      ++columns;
-    }
-    const float share = 1.0f / static_cast<float>(rows_ * columns);
+  void detail(int x, int y, float* out) const {
+    const int width = votes_.target.width,
+              left = votes_.wraps ? x - kAround : std::max(x - kAround, 0),
+              right = votes_.wraps ? x + kAround : std::min(x + kAround, width - 1);
+    const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(rows_ * (right - left + 1)));
     const float* own = mean(x, y);
-    for (std::size_t c = 0; c < channels_; ++c) out[c] = own[c] - out[c] * share;
-  }
-  // Variance of the votes about their mean, summed over channels.
-  float spread(int x, int y) const {
-    const Shown shown = shownAt(x, wrapped(y, votes_.target.height));
-    if (shown.agreed) return 0;
-    const float* about = mean(x, y);
-    float squares = 0;
-    for (std::size_t i = 0; i < shown.count; ++i) {
-      const float* from = texel(shown.texels[i]);
-      for (std::size_t c = 0; c < channels_; ++c)
-        squares += (from[c] - about[c]) * (from[c] - about[c]);
+    const bool inside = left >= 0 && right < width;
+    for (std::size_t c = 0; c < channels_; c += 4) {
+      __m128 sum = _mm_setzero_ps();
+      for (int i = left; i <= right; ++i) {
+        const auto at = static_cast<std::size_t>(inside ? i : wrapped(i, width));
+        sum = _mm_add_ps(sum, _mm_loadu_ps(&above_[at * channels_ + c]));
+      }
+      _mm_storeu_ps(out + c, _mm_sub_ps(_mm_loadu_ps(own + c), _mm_mul_ps(sum, share)));
     }
-    return squares / static_cast<float>(shown.count);
   }
 
  private:
-  struct Shown {
-    std::array<std::int32_t, kVotesMax> texels;
-    std::size_t count = 0;
-    bool agreed = true;
-  };
-
   std::size_t rowLength() const {
     return static_cast<std::size_t>(votes_.target.width) * channels_;
   }
   bool isThere(int y) const { return votes_.wraps || (y >= 0 && y < votes_.target.height); }
-  std::size_t indexOf(int x, int y) const {
-    return static_cast<std::size_t>(y - first_) * rowLength() +
-           static_cast<std::size_t>(x) * channels_;
-  }
-  const float* mean(int x, int y) const { return &means_[indexOf(x, y)]; }
-  const float* texel(std::int32_t index) const {
-    return &source_.at(index % source_.width, index / source_.width);
-  }
-  Shown shownAt(int x, int y) const {
-    Shown shown;
-    patch::forEachVote(votes_, x, y, [&](std::int32_t texel, int, int) {
-      shown.texels[shown.count++] = texel;
-      shown.agreed &= texel == shown.texels[0];
-    });
-    return shown;
+  std::size_t texelOf(int x, int y) const {
+    return static_cast<std::size_t>(y - first_) * static_cast<std::size_t>(votes_.target.width) +
+           static_cast<std::size_t>(x);
   }
   void voteTexel(int x, int y) {
-    const Shown shown = shownAt(x, wrapped(y, votes_.target.height));
-    float* to = &means_[indexOf(x, y)];
-    if (shown.agreed) {
-      std::copy_n(texel(shown.texels[0]), channels_, to);
+    std::array<const float*, kVotesMax> shown{};
+    std::size_t count = 0;
+    bool agreed = true;
+    patch::forEachVote(
+        votes_, x, wrapped(y, votes_.target.height), [&](std::int32_t texel, int, int) {
+          shown[count] = source_.texels().data() + static_cast<std::size_t>(texel) * channels_;
+          agreed &= shown[count++] == shown[0];
+        });
+    float* to = &means_[texelOf(x, y) * channels_];
+    if (agreed) {
+      std::copy_n(shown[0], channels_, to);
       return;
     }
-    for (std::size_t i = 0; i < shown.count; ++i) {
-      const float* from = texel(shown.texels[i]);
-      for (std::size_t c = 0; c < channels_; ++c) to[c] += from[c];
+    const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(count));
+    for (std::size_t c = 0; c < channels_; c += 4) {
+      __m128 sum = _mm_setzero_ps();
+      for (std::size_t i = 0; i < count; ++i) sum = _mm_add_ps(sum, _mm_loadu_ps(shown[i] + c));
+      _mm_storeu_ps(to + c, _mm_mul_ps(sum, share));
     }
-    const float share = 1.0f / static_cast<float>(shown.count);
-    for (std::size_t c = 0; c < channels_; ++c) to[c] *= share;
+    if (spreads_.empty()) return;
+    __m128 squares = _mm_setzero_ps();
+    for (std::size_t c = 0; c < channels_; c += 4)
+      for (std::size_t i = 0; i < count; ++i) {
+        const __m128 off = _mm_sub_ps(_mm_loadu_ps(shown[i] + c), _mm_loadu_ps(to + c));
+        squares = _mm_add_ps(squares, _mm_mul_ps(off, off));
+      }
+    alignas(16) std::array<float, 4> parts;
+    _mm_store_ps(parts.data(), _mm_mul_ps(squares, share));
+    spreads_[texelOf(x, y)] = parts[0] + parts[1] + (parts[2] + parts[3]);
   }
 
-  ImageView<const float> source_;
+  const Image<float>& source_;
   const patch::Votes& votes_;
   int first_, rows_ = 0;
   std::size_t channels_;
-  std::vector<float> means_, above_;
+  std::vector<float> means_, spreads_, above_;
 };
 
 template <class Body>
@@ -131,23 +136,30 @@ void forEachBand(int height, const Body& body) {
   });
 }
 
-Image<float> firstComponents(ImageView<const std::int16_t> source, int count) {
-  Image<float> out(source.width, source.height, count);
-  forEachRow(out.height(), std::int64_t{out.width()} * count, [&](int y) {
-    for (int x = 0; x < out.width(); ++x) std::copy_n(&source.at(x, y), count, &out.at(x, y));
+// Sums over the surroundings of each texel, [h][w][4].
+Image<float> aroundEach(const patch::Votes& votes, const Image<float>& in) {
+  const int width = in.width(), height = in.height();
+  Image<float> across(width, height, 4), out(width, height, 4);
+  constexpr std::int64_t kCostTexel = 8;
+  const auto sum = [&](int i, int length, const auto& at) {
+    __m128 all = _mm_setzero_ps();
+    for (int k = i - kAround; k <= i + kAround; ++k) {
+      if (k >= 0 && k < length)
+        all = _mm_add_ps(all, _mm_loadu_ps(at(k)));
+      else if (votes.wraps)
+        all = _mm_add_ps(all, _mm_loadu_ps(at(wrapped(k, length))));
+    }
+    return all;
+  };
+  forEachRow(height, kCostTexel * width, [&](int y) {
+    for (int x = 0; x < width; ++x)
+      _mm_storeu_ps(&across.at(x, y), sum(x, width, [&](int i) { return &in.at(i, y); }));
+  });
+  forEachRow(height, kCostTexel * width, [&](int y) {
+    for (int x = 0; x < width; ++x)
+      _mm_storeu_ps(&out.at(x, y), sum(y, height, [&](int i) { return &across.at(x, i); }));
   });
   return out;
-}
-
-// Sums over the surroundings of each texel, [h][w][c] with few channels.
-template <class Visit>
-void around(const patch::Votes& votes, int x, int y, const Visit& visit) {
-  const int width = votes.target.width, height = votes.target.height;
-  for (int ty = y - kAround; ty <= y + kAround; ++ty)
-    for (int tx = x - kAround; tx <= x + kAround; ++tx) {
-      if (!votes.wraps && (tx < 0 || tx >= width || ty < 0 || ty >= height)) continue;
-      visit(wrapped(tx, width), wrapped(ty, height));
-    }
 }
 
 }  // namespace
@@ -155,56 +167,49 @@ void around(const patch::Votes& votes, int x, int y, const Visit& visit) {
 VoteGain contrastLost(ImageView<const std::int16_t> source, int voted, const patch::Votes& votes) {
   const int width = votes.target.width, height = votes.target.height;
   VoteGain out{votes.target, std::vector<float>(votes.indexOf(0, height), 1.0f)};
-  Image<float> lost_left(width, height, 2);
-  const Image<float> components = firstComponents(source, voted);
+  enum { kLost, kLeft, kKept, kNumbers = 4 };
+  Image<float> numbers(width, height, kNumbers);
+  const Image<float> components = padded(source, voted);
   forEachBand(height, [&](int first, int last) {
-    Band band(components.view(), votes, first, last);
-    std::vector<float> own(static_cast<std::size_t>(voted));
+    Band band(components, votes, first, last, Spread::kMeasured);
+    std::vector<float> detail(static_cast<std::size_t>(components.channels()));
     for (int y = first; y < last; ++y) {
       band.turnTo(y);
       for (int x = 0; x < width; ++x) {
-        lost_left.at(x, y, 0) = band.spread(x, y);
-        band.detail(x, y, own);
-        for (const float v : own) lost_left.at(x, y, 1) += v * v;
+        numbers.at(x, y, kLost) = band.spread(x, y);
+        band.detail(x, y, detail.data());
+        for (const float v : detail) numbers.at(x, y, kLeft) += v * v;
+        numbers.at(x, y, kKept) = !votes.kept.empty() && votes.kept[votes.indexOf(x, y)] >= 0;
       }
     }
   });
-  constexpr std::int64_t kCostTexel = 60;
-  forEachRow(height, kCostTexel * width, [&](int y) {
+  const Image<float> around = aroundEach(votes, numbers);
+  for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      float lost = 0, left = 0;
-      bool kept = false;
-      around(votes, x, y, [&](int tx, int ty) {
-        lost += lost_left.at(tx, ty, 0);
-        left += lost_left.at(tx, ty, 1);
-        kept |= !votes.kept.empty() && votes.kept[votes.indexOf(tx, ty)] >= 0;
-      });
-      if (lost > 0 && !kept)
+      const float lost = around.at(x, y, kLost), left = around.at(x, y, kLeft);
+      if (lost > 0 && around.at(x, y, kKept) == 0)
         out.gain[votes.indexOf(x, y)] =
             std::min(kGainMost, std::sqrt(1 + lost / std::max(left, 1e-3f * lost)));
     }
-  });
   return out;
 }
 
 void sharpVote(ImageView<const float> source, const patch::Votes& votes, const VoteGain& gain,
                const TakeRow& take) {
   const auto channels = static_cast<std::size_t>(source.channels);
+  const auto width = static_cast<std::size_t>(votes.target.width);
+  const Image<float> texels = padded(source, source.channels);
   forEachBand(votes.target.height, [&](int first, int last) {
-    Band band(source, votes, first, last);
-    std::vector<float> row, detail(channels);
+    Band band(texels, votes, first, last, Spread::kLeftOut);
+    std::vector<float> row(width * channels), detail(static_cast<std::size_t>(texels.channels()));
     for (int y = first; y < last; ++y) {
-      if (gain.gain.empty()) {
-        take(y, band.row(y));
-        continue;
-      }
-      row.assign(band.row(y).begin(), band.row(y).end());
-      band.turnTo(y);
+      if (!gain.gain.empty()) band.turnTo(y);
       for (int x = 0; x < votes.target.width; ++x) {
-        const float more = gain.gain[votes.indexOf(x, y)] - 1;
-        if (!(more > 0)) continue;
-        band.detail(x, y, detail);
         float* to = &row[static_cast<std::size_t>(x) * channels];
+        std::copy_n(band.mean(x, y), channels, to);
+        const float more = gain.gain.empty() ? 0 : gain.gain[votes.indexOf(x, y)] - 1;
+        if (!(more > 0)) continue;
+        band.detail(x, y, detail.data());
         for (std::size_t c = 0; c < channels; ++c) to[c] += more * detail[c];
       }
       take(y, row);

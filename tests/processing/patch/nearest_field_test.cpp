@@ -167,6 +167,47 @@ TEST(NearestField, FollowsItsGuide) {
   EXPECT_LT(off / (kTarget * kTarget), 3);
 }
 
+// Four components that four zeros follow give the same field as without them.
+TEST(NearestField, NeedsNoMoreThanFourComponents) {
+  std::vector<std::vector<std::int32_t>> centres;
+  for (const int components : {4, 8}) {
+    Image<std::int16_t> source(kSource, kSource, components);
+    for (int y = 0; y < kSource; ++y)
+      for (int x = 0; x < kSource; ++x) std::copy_n(&blobs().view().at(x, y), 4, &source.at(x, y));
+    NearestField field(source.view(), 1000, {kTarget, kTarget}, {.similar = {}});
+    field.start(anywhere(7));
+    for (int pass = 0; pass < 3; ++pass) {
+      field.vote();
+      field.search(pass);
+    }
+    centres.push_back(field.centres());
+  }
+  EXPECT_EQ(centres[0], centres[1]);
+}
+
+TEST(NearestField, LeavesWhatIsContinuedAsleep) {
+  const Image<std::int16_t> source = blobs();
+  std::vector<std::int32_t> copies;
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x)
+      copies.push_back((2 + y % (kSource - 4)) * kSource + 2 + x % (kSource - 4));
+  NearestField field(source.view(), 1000, {kTarget, kTarget}, {.uniformity = 0, .similar = {}});
+  field.start(copies);
+  field.wakeSeams();
+  field.vote();
+  field.search(0);
+  int at_seams = 0, inside = 0;
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x) {
+      const std::size_t at = indexOf(x, y, kTarget);
+      const int dx = x % (kSource - 4), dy = y % (kSource - 4);
+      const bool far = std::min(dx, dy) > 12 && std::max(dx, dy) < kSource - 4 - 12;
+      (far ? inside : at_seams) += field.centres()[at] != copies[at];
+    }
+  EXPECT_GT(at_seams, 100);
+  EXPECT_EQ(inside, 0);
+}
+
 TEST(FieldOptions, RefusesWhatCannotBe) {
   EXPECT_THROW((FieldOptions{.patch = 4, .similar = {}}.check()), ProcessingError);
   EXPECT_THROW((FieldOptions{.uniformity = -1, .similar = {}}.check()), ProcessingError);

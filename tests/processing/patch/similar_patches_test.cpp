@@ -60,6 +60,25 @@ TEST(SimilarPatches, AreUsable) {
     }
 }
 
+TEST(SimilarPatches, AreThoseOfTheLevelAboveTwiceAsFarAway) {
+  Image<std::int16_t> features = noise(40);
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 5; ++x)
+      for (int c = 0; c < 8; ++c) features.at(30 + x, 22 + y, c) = features.at(4 + x, 9 + y, c);
+  const SimilarPatches coarse(features.view(), 5, inside(40), {});
+  std::vector<std::uint8_t> usable = inside(80);
+  const SimilarPatches fine(coarse, {40, 40}, {80, 80}, 5, usable);
+  EXPECT_EQ(fine.of(23 * 80 + 12)[0], (23 + 2 * 13) * 80 + 12 + 2 * 26);
+  usable[(23 + 2 * 13) * 80 + 12 + 2 * 26] = 0;
+  const SimilarPatches masked(coarse, {40, 40}, {80, 80}, 5, usable);
+  EXPECT_EQ(masked.of(23 * 80 + 12)[0], fine.of(23 * 80 + 12)[1]);
+  for (std::size_t i = 0; i < usable.size(); ++i)
+    for (int k = 0; k < masked.count(); ++k) {
+      const std::int32_t other = masked.of(static_cast<std::int32_t>(i))[k];
+      ASSERT_TRUE(other < 0 || usable[static_cast<std::size_t>(other)] != 0);
+    }
+}
+
 TEST(SimilarPatches, AreNoneWhereTheSourceIsOnePatch) {
   const SimilarPatches similar(noise(5).view(), 5, inside(5), {});
   EXPECT_EQ(similar.of(2 * 5 + 2)[0], -1);

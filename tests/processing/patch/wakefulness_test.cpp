@@ -42,6 +42,18 @@ TEST(Wakefulness, WakesAll) {
   EXPECT_EQ(awakeOf(w), 0);
 }
 
+TEST(Wakefulness, WakesOnlyWhatItIsToldAndItsNeighbours) {
+  Wakefulness w(kSize, false, 1);
+  w.wakeAll();
+  std::vector<std::uint8_t> map(63, 0);
+  map[at(0, 0)] = 1;
+  w.wakeOnly(map);
+  w.beginPass();
+  EXPECT_EQ(awakeOf(w), 4);
+  const std::vector<std::uint8_t> votes = w.takeChangesWithin(0);
+  EXPECT_EQ(std::accumulate(votes.begin(), votes.end(), 0), 63);
+}
+
 TEST(Wakefulness, SpreadsOverTheEdgeOnlyWhenItWraps) {
   for (const bool wraps : {false, true}) {
     Wakefulness w(kSize, wraps, 1);

@@ -35,6 +35,21 @@ TEST(Optimize, ShowsPatchesOfTheSourceThatFitTogether) {
   EXPECT_LT(field.energy.occupancy, 1.6);
 }
 
+TEST(Optimize, IsAlmostAsGoodWhereQuick) {
+  Progress progress;
+  const Image<float> sample = features();
+  OptimizeOptions options = shortly({100, 80});
+  options.rounds = 8;
+  const OptimizedField full = optimize(sample.view(), options, {}, progress);
+  options.effort = Effort::kQuick;
+  const OptimizedField quick = optimize(sample.view(), options, {}, progress);
+  EXPECT_NE(quick.centres, full.centres);
+  const auto energy = [](const OptimizedField& f) {
+    return f.energy.patch + 0.075 * f.energy.occupancy;
+  };
+  EXPECT_LT(energy(quick), 1.15 * energy(full));
+}
+
 TEST(Optimize, IsTheSameForAnyNumberOfThreadsAndAnotherForAnotherSeed) {
   Progress progress;
   const Image<float> sample = features();
