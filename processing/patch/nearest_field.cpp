@@ -11,6 +11,7 @@
 
 #include "processing/image/parallel_rows.h"
 #include "processing/image/random.h"
+#include "processing/patch/usable_patches.h"
 
 namespace patina::patch {
 namespace {
@@ -54,8 +55,7 @@ NearestField::NearestField(ImageView<const std::int16_t> source, double scale, S
       kept_(limits.kept.begin(), limits.kept.end()),
       target_(target.width + 2 * reach_, target.height + 2 * reach_, source.channels),
       wakefulness_(target, options.wraps, kPassesAwake),
-      lanes_(target, options.wraps),
-      changes_(2 * static_cast<std::size_t>(lanes_.count())) {
+      order_(target, options.wraps) {
   options.check();
   PATINA_CHECK(std::min(source.width, source.height) >= options.patch &&
                source.row_stride == std::ptrdiff_t{source.width} * source.channels &&
@@ -68,35 +68,13 @@ NearestField::NearestField(ImageView<const std::int16_t> source, double scale, S
                                       (options.patch * options.patch * even));
   least_gain_ =
       static_cast<std::int32_t>(std::min(kLeastGain * options.uniformity * scale * scale, 1e9));
-  markUsable(limits.usable);
+  usable_ = usablePatches(limits.usable, source.size(), options.patch);
   if (!limits.guide.empty()) placeGuide(limits.guide);
   if (options.search == SearchKind::kCoherent && limits.coarse != nullptr)
     similar_.emplace_back(limits.coarse->similar_[0], limits.coarse->source_.size(), source.size(),
                           options.patch, usable_);
   else if (options.search == SearchKind::kCoherent)
     similar_.emplace_back(source, options.patch, usable_, options.similar);
-}
-
-void NearestField::markUsable(std::span<const std::uint8_t> usable) {
-  const int width = source_.width, height = source_.height;
-  usable_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
-  PATINA_CHECK(usable.empty() || usable.size() == usable_.size());
-  bool any = false;
-  for (int y = reach_; y < height - reach_; ++y)
-    for (int x = reach_; x < width - reach_; ++x) {
-      const std::int32_t centre = y * width + x;
-      bool all = true;
-      for (int dy = -reach_; dy <= reach_ && all && !usable.empty(); ++dy)
-        for (int dx = -reach_; dx <= reach_; ++dx) {
-          const std::int32_t texel = centre + dy * width + dx;
-          all &= usable[static_cast<std::size_t>(texel)] != 0;
-        }
-      usable_[static_cast<std::size_t>(centre)] = all;
-      any |= all;
-    }
-  if (!any)
-    throw ProcessingError(Exit::kUsage, "the mask leaves no whole patch of " +
-                                            std::to_string(options_.patch) + " texels to show");
 }
 
 void NearestField::placeGuide(ImageView<const std::int16_t> guide) {
@@ -118,11 +96,25 @@ void NearestField::start(std::vector<std::int32_t> centres) {
       centres_[i] = places[uniformBelow(hashSeed(options_.seed, i), places.size())];
   }
   distances_.assign(centres_.size(), 0);
-  Occupancy occupancy({source_.width, source_.height}, options_.patch);
+  Occupancy occupancy(source_.size(), options_.patch);
   for (const std::int32_t centre : centres_) occupancy.add(centre);
-  occupancy_.assign(static_cast<std::size_t>(lanes_.count()), occupancy);
+  lanes_.clear();
+  for (int lane = 0; lane < order_.count(); ++lane)
+    lanes_.push_back({.occupancy = occupancy, .nearness = {}, .changes = {}});
+  if (options_.nearness > 0) countNearness();
   wakefulness_.wakeAll();
   for (std::size_t i = 0; i < centres_.size(); ++i) wakefulness_.noteChange(i);
+}
+
+void NearestField::countNearness() {
+  for (int i = 0; i < order_.count(); ++i) {
+    const Lanes::Columns asked = order_.columnsOf(i);
+    std::vector<Nearness>& nearness = lanes_[static_cast<std::size_t>(i)].nearness;
+    nearness.emplace_back(source_.size(), target_size_, options_.wraps, asked.first, asked.last);
+    nearness_scale_ = static_cast<float>(options_.nearness * scale_ * scale_ / nearness[0].unit());
+    for (int y = 0; y < target_size_.height; ++y)
+      for (int x = 0; x < target_size_.width; ++x) nearness[0].add(x, y, centres_[indexOf(x, y)]);
+  }
 }
 
 void NearestField::wakeSeams() {
@@ -223,28 +215,36 @@ void NearestField::search(int pass) {
   const bool forward = pass % 2 == 0;
   if (options_.search == SearchKind::kPatchMatch) wakefulness_.wakeAll();
   wakefulness_.beginPass();
-  for (int step = 0; step < lanes_.steps(); ++step)
-    tbb::parallel_for(0, lanes_.count(), [&](int lane) {
+  for (int step = 0; step < order_.steps(); ++step)
+    tbb::parallel_for(0, order_.count(), [&](int lane) {
       takeOver(lane, step - 1);
-      changesOf(lane, step).clear();
       sweep(lane, step, pass, forward);
     });
-  tbb::parallel_for(0, lanes_.count(), [&](int lane) { takeOver(lane, lanes_.steps() - 1); });
+  tbb::parallel_for(0, order_.count(), [&](int lane) { takeOver(lane, order_.steps() - 1); });
+}
+
+void NearestField::Lane::take(const Change& change) {
+  occupancy.add(change.to);
+  occupancy.remove(change.from);
+  for (Nearness& near : nearness) {
+    near.add(change.x, change.y, change.to);
+    near.remove(change.x, change.y, change.from);
+  }
 }
 
 void NearestField::takeOver(int lane, int step) {
   if (step < 0) return;
-  Occupancy& own = occupancy_[static_cast<std::size_t>(lane)];
-  for (int other = 0; other < lanes_.count(); ++other)
+  for (int other = 0; other < order_.count(); ++other)
     if (other != lane)
-      for (const Change& change : changesOf(other, step)) {
-        own.add(change.to);
-        own.remove(change.from);
-      }
+      for (const Change& change : lanes_[static_cast<std::size_t>(other)].changes[step % 2])
+        lanes_[static_cast<std::size_t>(lane)].take(change);
 }
 
 void NearestField::sweep(int lane, int step, int pass, bool forward) {
-  const Tile tile = lanes_.tile(lane, step, forward);
+  const Tile tile = order_.tile(lane, step, forward);
+  Lane& own = lanes_[static_cast<std::size_t>(lane)];
+  std::vector<Change>& changes = own.changes[step % 2];
+  changes.clear();
   const int ahead = forward ? 1 : -1, width = target_size_.width;
   for (int j = 0; j < tile.y1 - tile.y0; ++j)
     for (int i = 0; i < tile.x1 - tile.x0; ++i) {
@@ -258,8 +258,11 @@ void NearestField::sweep(int lane, int step, int pass, bool forward) {
       if (!moved && !wakefulness_.awake(at)) continue;
       if (fixed(at)) continue;
       const std::int32_t before = centres_[at];
-      judge(lane, x, y, pass, ahead);
-      if (centres_[at] != before) changesOf(lane, step).push_back({before, centres_[at]});
+      judge(own, x, y, pass, ahead);
+      if (centres_[at] == before) continue;
+      wakefulness_.noteChange(at);
+      changes.push_back({x, y, before, centres_[at]});
+      own.take(changes.back());
     }
 }
 
@@ -277,12 +280,16 @@ std::int32_t NearestField::neighbour(int x, int y) const {
 struct NearestField::Judge {
   NearestField& field;
   const Occupancy& occupancy;
+  const Nearness* nearness;
+  int x, y;
   const std::int16_t* target;
   Candidate best;
 
   std::int32_t penalty(std::int32_t centre) const {
-    return static_cast<std::int32_t>(field.penalty_scale_ *
-                                     static_cast<float>(occupancy.at(centre)));
+    float penalty = field.penalty_scale_ * static_cast<float>(occupancy.at(centre));
+    if (nearness != nullptr)
+      penalty += field.nearness_scale_ * static_cast<float>(nearness->at(x, y, centre));
+    return static_cast<std::int32_t>(penalty);
   }
   void propose(std::int32_t centre) {
     if (centre == best.centre) return;
@@ -310,7 +317,7 @@ struct NearestField::Judge {
     for (int k = 0; k < similar.count() && at[k] >= 0; ++k) propose(at[k]);
   }
   // What the patch at (dx, dy) shows, moved along; -1 where there is none.
-  std::int32_t continued(int x, int y, Step d) const {
+  std::int32_t continued(Step d) const {
     const std::int32_t at = field.neighbour(x + d.x, y + d.y);
     if (at < 0) return -1;
     const std::int32_t centre =
@@ -334,20 +341,24 @@ struct NearestField::Judge {
   }
 };
 
-void NearestField::judge(int lane, int x, int y, int pass, int ahead) {
+void NearestField::judge(const Lane& lane, int x, int y, int pass, int ahead) {
   const std::size_t at = indexOf(x, y);
-  Occupancy& occupancy = occupancy_[static_cast<std::size_t>(lane)];
-  Judge judge{*this, occupancy, &target_.at(x, y), {centres_[at], distances_[at], 0}};
+  Judge judge{*this,
+              lane.occupancy,
+              lane.nearness.empty() ? nullptr : &lane.nearness[0],
+              x,
+              y,
+              &target_.at(x, y),
+              {centres_[at], distances_[at], 0}};
   judge.best.penalty = judge.penalty(centres_[at]);
   if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
   for (const Step before : {Step{-ahead, 0}, Step{0, -ahead}})
-    if (const std::int32_t centre = judge.continued(x, y, before); centre >= 0)
-      judge.propose(centre);
+    if (const std::int32_t centre = judge.continued(before); centre >= 0) judge.propose(centre);
   if (options_.search == SearchKind::kCoherent) {
     // Two of the eight neighbours a pass, in turn; with what is similar to what they show.
     for (std::size_t n = 0; n < 2; ++n) {
       const Step around = kAround[(static_cast<std::size_t>(pass) * 2 + n) % kAround.size()];
-      const std::int32_t centre = judge.continued(x, y, around);
+      const std::int32_t centre = judge.continued(around);
       if (centre < 0) continue;
       judge.propose(centre);
       // What is similar to what stays has been judged.
@@ -361,10 +372,6 @@ void NearestField::judge(int lane, int x, int y, int pass, int ahead) {
     judge.proposeRandom(hashSeed(options_.seed, static_cast<std::uint64_t>(pass),
                                  static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
   }
-  if (judge.best.centre == centres_[at]) return;
-  wakefulness_.noteChange(at);
-  occupancy.add(judge.best.centre);
-  occupancy.remove(centres_[at]);
   centres_[at] = judge.best.centre;
   distances_[at] = judge.best.distance;
 }
@@ -376,7 +383,7 @@ FieldEnergy NearestField::energy() const {
   FieldEnergy energy;
   for (std::size_t i = 0; i < centres_.size(); ++i) {
     energy.patch += distances_[i];
-    energy.occupancy += occupancy_[0].at(centres_[i]);
+    energy.occupancy += lanes_[0].occupancy.at(centres_[i]);
   }
   energy.patch /= texels * scale_ * scale_;
   energy.occupancy /= texels * even;

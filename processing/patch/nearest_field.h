@@ -21,6 +21,7 @@
 
 #include "processing/image/image.h"
 #include "processing/patch/lanes.h"
+#include "processing/patch/nearness.h"
 #include "processing/patch/occupancy.h"
 #include "processing/patch/patch_distance.h"
 #include "processing/patch/similar_patches.h"
@@ -38,6 +39,7 @@ struct FieldOptions {
   int patch = 5;              // texels; 3, 5 or 7
   double uniformity = 0.075;  // weight of occupancy, where 1 is even use; in units of the features'
                               // squared difference of one patch before their scale
+  double nearness = 0;  // the same of one whole copy of a place as near as can be (nearness.h)
   SearchKind search = SearchKind::kCoherent;
   SimilarOptions similar = {};
   bool wraps = false;  // the target goes on at its other side
@@ -86,21 +88,25 @@ class NearestField {
 
  private:
   struct Change {
+    int x, y;
     std::int32_t from, to;
+  };
+  struct Lane {
+    Occupancy occupancy;
+    std::vector<Nearness> nearness;  // one, or none where it has no weight
+    std::vector<Change> changes[2];  // in this step and the one before
+    void take(const Change& change);
   };
   struct Candidate {
     std::int32_t centre, distance, penalty;
   };
   struct Judge;  // of one target patch, in one lane
 
-  void markUsable(std::span<const std::uint8_t> usable);
   void placeGuide(ImageView<const std::int16_t> guide);
+  void countNearness();
   void takeOver(int lane, int step);  // what the other lanes changed in it
   void sweep(int lane, int step, int pass, bool forward);
-  void judge(int lane, int x, int y, int pass, int ahead);
-  std::vector<Change>& changesOf(int lane, int step) {
-    return changes_[static_cast<std::size_t>(2 * lane + step % 2)];
-  }
+  void judge(const Lane& lane, int x, int y, int pass, int ahead);
   void voteTexel(const Votes& votes, int x, int y);
   void voteFour(const Votes& votes, int x, int y, int first);
   void padTarget();
@@ -123,7 +129,7 @@ class NearestField {
   FieldOptions options_;
   int reach_, corner_, voted_;  // corner_: from a centre to its patch's corner, in texels; voted_:
                                 // components that are voted, the guide's behind them
-  float penalty_scale_;
+  float penalty_scale_, nearness_scale_ = 0;
   std::int32_t least_gain_;  // of a candidate that is taken
   PatchDistance distance_;
   std::vector<std::uint8_t> usable_;
@@ -133,9 +139,8 @@ class NearestField {
   std::vector<std::int32_t> centres_, distances_;
   Wakefulness wakefulness_;
 
-  Lanes lanes_;
-  std::vector<Occupancy> occupancy_;          // a lane
-  std::vector<std::vector<Change>> changes_;  // a lane, in this step and the one before
+  Lanes order_;
+  std::vector<Lane> lanes_;
 };
 
 }  // namespace patina::patch

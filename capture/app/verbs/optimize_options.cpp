@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "processing/image/picture_file.h"
+#include "processing/synthesis/texture_optimization/copies.h"
 
 namespace patina::app {
 namespace {
@@ -122,6 +123,11 @@ void describe(const optimization::OptimizedField& field, double uniformity, Item
       .set("patch_energy", Value{field.energy.patch})
       .set("occupancy", Value{field.energy.occupancy})
       .set("left_out", Value{field.left_out});
+  const optimization::CopiesApart copies = optimization::copiesApart(field);
+  item.set("shown_again", Value{copies.shown_again})
+      .set("copies_apart_least", Value{copies.least})
+      .set("copies_apart_twentieth", Value{copies.twentieth})
+      .set("copies_apart_median", Value{copies.median});
 }
 
 }  // namespace patina::app

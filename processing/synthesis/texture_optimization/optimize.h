@@ -3,7 +3,8 @@
 // result the patch of the sample that is most like it, then let all patches over a texel vote for
 // it. Where we depart from Meister et al. 2021: levels are averages, not point samples; distances
 // are integers on a few principal components; uses are counted exactly (patch/nearest_field.h) and
-// weigh more on coarse levels; the last vote keeps its contrast (sharp_vote.h).
+// weigh more on coarse levels, where copies of a place are kept apart too (patch/nearness.h); the
+// last vote keeps its contrast (sharp_vote.h).
 #pragma once
 
 #include <cstdint>
@@ -55,6 +56,9 @@ struct OptimizedField {
 // patch, guides of other sizes; kBadData for values that are no numbers.
 OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& options,
                         const Constraints& constraints, Progress& progress);
+
+// Bytes that copies kept apart take at most: of one level of the sample, 64 texels wide.
+std::int64_t nearnessBytes(SizePx source, SizePx size);
 
 // What the field shows of `source` [h][w][c], its contrast kept.
 Image<float> shown(ImageView<const float> source, const OptimizedField& field);
