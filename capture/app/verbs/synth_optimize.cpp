@@ -6,6 +6,7 @@
 #include "capture/app/verbs/optimize_options.h"
 #include "capture/app/verbs/synth_verbs.h"
 #include "capture/workflow/products.h"
+#include "processing/image/alpha_png.h"
 #include "processing/image/encoding.h"
 #include "processing/image/picture_file.h"
 #include "processing/synthesis/texture_optimization/nnf_file.h"
@@ -47,31 +48,61 @@ std::string provenanceOf(const Options& options, const Context& context) {
   return making.facts().json();
 }
 
-// As the eye sees them: what lies between 0 and 1 in linear light is encoded as sRGB.
-optimization::OptimizedField optimizePicture(const Options& options, Context& context) {
-  const Picture sample = readPicture(options.in);
-  const SizePx size = options.arguments.optimize.size;
-  const bool linear = fs::path(options.out).extension() == ".exr";
-  checkSize(sample.linear.size(), size);
-  refuseBeyondMemory(
-      optimization::pictureBytes(sample.linear.size(), sample.linear.channels(), size));
-  Image<float> compared = sample.linear;
+struct Sample {
+  Image<float> texels;  // alpha last, where there is one
+  bool alpha = false;
+};
+
+// As the eye sees them: what lies between 0 and 1 in linear light is encoded as sRGB, unless the
+// result is `linear`. Alpha is straight.
+Sample readSample(const std::string& file, bool linear) {
+  const Bytes bytes = readFile(file);
+  Image<float> colours = decodePicture(bytes).linear;
   if (!linear)
-    std::transform(compared.texels().begin(), compared.texels().end(), compared.texels().begin(),
+    std::transform(colours.texels().begin(), colours.texels().end(), colours.texels().begin(),
                    srgbFromLinear);
+  const Image<float> alpha = decodeAlpha(bytes);
+  if (alpha.empty()) return {std::move(colours), false};
+  if (linear)
+    throw AppError(Exit::kUsage, "'" + file +
+                                     "' has transparency, which a .exr does not hold here: "
+                                     "name --out .png");
+  Image<float> texels(colours.width(), colours.height(), 4);
+  for (int y = 0; y < texels.height(); ++y)
+    for (int x = 0; x < texels.width(); ++x) {
+      for (int c = 0; c < 3; ++c)
+        texels.at(x, y, c) = colours.at(x, y, std::min(c, colours.channels() - 1));
+      texels.at(x, y, 3) = alpha.at(x, y);
+    }
+  return {std::move(texels), true};
+}
+
+void writeEncoded(const std::string& file, const Image<float>& picture, bool alpha) {
+  Image<std::uint8_t> encoded(picture.width(), picture.height(), picture.channels());
+  std::transform(picture.texels().begin(), picture.texels().end(), encoded.texels().begin(),
+                 [](float v) {
+                   return static_cast<std::uint8_t>(std::lrint(std::clamp(v, 0.0f, 1.0f) * 255));
+                 });
+  if (alpha)
+    writeFileAtomically(file, encodeAlphaPng(encoded.view()));
+  else
+    writePng(file, encoded.view());
+}
+
+optimization::OptimizedField optimizePicture(const Options& options, Context& context) {
+  const bool linear = fs::path(options.out).extension() == ".exr";
+  const Sample sample = readSample(options.in, linear);
+  const Image<float>& compared = sample.texels;
+  const SizePx size = options.arguments.optimize.size;
+  checkSize(compared.size(), size);
+  refuseBeyondMemory(optimization::pictureBytes(compared.size(), compared.channels(), size));
   optimization::LargerPicture larger = optimization::enlargePicture(
       compared.view(), options.arguments.optimize,
       constraintsOf(options.arguments, compared.size()), context.progress);
-  if (linear) {
+  if (linear)
     writeExr(options.out, larger.picture.view());
-    return std::move(larger.field);
-  }
-  Image<std::uint8_t> encoded(size.width, size.height, larger.picture.channels());
-  std::transform(larger.picture.texels().begin(), larger.picture.texels().end(),
-                 encoded.texels().begin(), [](float v) {
-                   return static_cast<std::uint8_t>(std::lrint(std::clamp(v, 0.0f, 1.0f) * 255));
-                 });
-  writePng(options.out, encoded.view());
+  else
+    writeEncoded(options.out, larger.picture, sample.alpha);
   return std::move(larger.field);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "processing/image/alpha_png.h"
 #include "processing/image/picture_file.h"
 #include "tests/capture/app/json_answer.h"
 
@@ -32,6 +33,38 @@ TEST(SynthOptimize, MakesALargerPictureAndTellsItsEnergy) {
   EXPECT_GT(answer.number("/items/0/energy"), 0);
   EXPECT_EQ(readPicture(out).linear.size(), (SizePx{80, 64}));
   EXPECT_TRUE(fs::exists(temp / "n.npy"));
+}
+
+// Where the sample is clear it is dark: the result keeps the two together.
+TEST(SynthOptimize, CarriesTransparency) {
+  const TempFolder temp;
+  Image<std::uint8_t> leaves(40, 40, 4);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) {
+      const bool leaf = std::sin(0.7 * x) * std::cos(0.6 * y + 0.2 * x) > 0;
+      for (int c = 0; c < 3; ++c) leaves.at(x, y, c) = leaf ? 200 : 20;
+      leaves.at(x, y, 3) = leaf ? 255 : 0;
+    }
+  const fs::path in = temp / "in.png", out = temp / "out.png";
+  writeFileAtomically(in, encodeAlphaPng(leaves.view()));
+  ASSERT_EQ(runPatina({"synth", "optimize", in, "--size", "80x80", "--out", out}).exit, 0);
+  const Bytes file = patina::readFile(out);
+  const Image<float> alpha = decodeAlpha(file), colours = decodePicture(file).linear;
+  ASSERT_EQ(alpha.size(), (SizePx{80, 80}));
+  int clear = 0, apart = 0;
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 80; ++x) {
+      clear += alpha.at(x, y) < 0.5f;
+      apart += (alpha.at(x, y) < 0.1f && colours.at(x, y, 0) > 0.1f) ||
+               (alpha.at(x, y) > 0.9f && colours.at(x, y, 0) < 0.3f);
+    }
+  EXPECT_NEAR(clear / 6400.0, 0.5, 0.1);
+  EXPECT_EQ(apart, 0);
+  const Finished linear =
+      runPatina({"synth", "optimize", in, "--size", "80x80", "--out", temp / "out.exr"});
+  EXPECT_EQ(linear.exit, 64);
+  EXPECT_THAT(linear.err, HasSubstr("transparency"));
+  EXPECT_FALSE(fs::exists(temp / "out.exr"));
 }
 
 TEST(SynthOptimize, MakesALargerTextureWithItsHistory) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
+#include "processing/image/alpha_png.h"
 #include "processing/image/codecs.h"
 #include "processing/image/linear_png.h"
 #include "tests/processing/image/samples.h"
@@ -43,6 +44,29 @@ TEST(EncodeLinearPng, IsReadAsLinearLightAndAPlainOneAsSrgb) {
   const Bytes plain = encodePng(std::as_const(half).view());
   EXPECT_FALSE(isLinearPng(plain));
   EXPECT_NEAR(decodePicture(plain).linear.at(1, 1), 0.2140, 1e-3);
+}
+
+TEST(AlphaPng, ComesBackBesideItsColours) {
+  const auto colours = gradient(37, 11, 4);
+  const Bytes file = encodeAlphaPng(colours.view());
+  const Image<float> alpha = decodeAlpha(file);
+  const Image<std::uint8_t> plain = decoded<std::uint8_t>(file);
+  ASSERT_EQ(alpha.size(), colours.size());
+  ASSERT_EQ(plain.channels(), 3);
+  for (int y = 0; y < 11; ++y)
+    for (int x = 0; x < 37; ++x) {
+      ASSERT_EQ(alpha.at(x, y), static_cast<float>(colours.at(x, y, 3)) / 255);
+      ASSERT_EQ(plain.at(x, y, 2), colours.at(x, y, 2));
+    }
+}
+
+TEST(AlphaPng, IsNothingWhereThereIsNone) {
+  EXPECT_TRUE(decodeAlpha(encodePng(gradient(9, 9, 3).view())).empty());
+  EXPECT_TRUE(decodeAlpha(encodeJpeg(gradient(9, 9, 3).view())).empty());
+  EXPECT_TRUE(decodeAlpha(Bytes{}).empty());
+  Bytes damaged = encodeAlphaPng(gradient(40, 40, 4).view());
+  damaged[damaged.size() / 2] ^= std::byte{1};
+  EXPECT_THAT(refusalOf([&] { decodeAlpha(damaged); }), ::testing::HasSubstr("damaged"));
 }
 
 TEST(DecodePng, RefusesAWrongCheckSum) {

@@ -5,8 +5,11 @@
 
 #include <cmath>
 
+#include "processing/image/picture_file.h"
 #include "processing/image/random.h"
+#include "processing/stbrdf/stbrdf_file.h"
 #include "tests/processing/synthesis/texture_optimization/samples.h"
+#include "tests/support/places.h"
 
 namespace patina::texture_optimization {
 namespace {
@@ -79,6 +82,40 @@ TEST(Transfer, ChangesWhereTheMaterialDoes) {
     late_sum += late.texels()[i];
   }
   EXPECT_LT(late_sum, 0.8 * early_sum);  // the blobs darken by two fifths
+}
+
+// Snow on gravel. Of its own ground's structure the snow keeps less and less; the picture keeps as
+// much at least, and of the sample that is pasted there the result shows no more than snow does.
+TEST(Transfer, BringsNoForeignStructureLate) {
+  PATINA_TEST_DATA_OR_SKIP(folder, "");
+  constexpr int kSide = 128;
+  Progress progress;
+  stbrdf::StbrdfSet set = stbrdf::readStbrdfSet(folder / "snowyground_stbrdf", progress);
+  for (stbrdf::TimeMap& map : set.maps)
+    for (Image<float>& c : map.coefficients)
+      c = copyOf<float>(std::as_const(c).view().crop({0, 0, kSide, kSide}));
+  const Image<float> grey = readPicture(folder / "textures" / "gravel.png").linear;
+  Image<float> gravel(kSide, kSide, 3);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (int c = 0; c < 3; ++c) gravel.at(x, y, c) = grey.at(x, y);
+  const Transferred transferred = transfer(set, gravel.view(), shortly(0), {}, progress);
+  const auto snow = [&](double time) {
+    return evaluate(*set.find("Diffuse"), set.basis, time, stbrdf::Clamp::kNone);
+  };
+  OptimizedField plain = transferred.larger.field;
+  plain.gain = {};
+  for (const double time : {0.5, 0.75, 1.0}) {
+    const Image<float> result = diffuseAt(transferred, time),
+                       pasted = shown(snow(time).view(), plain);
+    const double own = detailCorrelation(snow(time), snow(0)),
+                 kept = detailCorrelation(result, gravel),
+                 foreign = detailCorrelation(result, pasted);
+    EXPECT_GT(kept, 0.4) << time;
+    EXPECT_GT(kept, own) << time;
+    EXPECT_LT(foreign, 0.25) << time;
+    EXPECT_LT(foreign, kept) << time;
+  }
 }
 
 TEST(MatchAt, NeverDividesByNearlyNothing) {
