@@ -70,15 +70,27 @@ Components leading(std::span<const ImageView<const float>> images, int component
   return out;
 }
 
+constexpr int kFewComponents = 4;
+
+// Does nothing come after the first few components, once scaled and rounded?
+bool fewSuffice(const Components& components, double scale) {
+  const auto few = static_cast<std::size_t>(kFewComponents);
+  for (std::size_t i = 0; i < components.scores.size(); i += components.rank)
+    for (std::size_t k = few; k < components.rank; ++k)
+      if (std::lrint(scale * static_cast<double>(components.scores[i + k])) != 0) return false;
+  return true;
+}
+
 // The scores from texel `first` on, scaled, into components `at` on.
 void place(const Components& components, std::int64_t first, double scale, int at,
            Image<std::int16_t>& to) {
   const float* score = &components.scores[static_cast<std::size_t>(first) * components.rank];
   for (int y = 0; y < to.height(); ++y)
     for (int x = 0; x < to.width(); ++x)
-      for (std::size_t k = 0; k < components.rank; ++k)
-        (&to.at(x, y, at))[k] =
-            static_cast<std::int16_t>(std::lrint(scale * static_cast<double>(*score++)));
+      for (std::size_t k = 0; k < components.rank; ++k, ++score)
+        if (at + static_cast<int>(k) < to.channels())
+          (&to.at(x, y, at))[k] =
+              static_cast<std::int16_t>(std::lrint(scale * static_cast<double>(*score)));
 }
 
 }  // namespace
@@ -118,9 +130,9 @@ Image<float> euclidean(ImageView<const float> coefficients, std::span<const doub
 
 CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,
                                 int components, int patch, Progress& progress) {
-  PATINA_CHECK((components == 4 || components == 8 || components == 16) && patch >= 1 && !features.empty());
+  PATINA_CHECK((components == 8 || components == 16) && patch >= 1 && !features.empty());
   const bool guided = !guides.source.empty();
-  PATINA_CHECK(!guided || (components > 4 && guides.source.size() == features.size() && !guides.target.empty() &&
+  PATINA_CHECK(!guided || (guides.source.size() == features.size() && !guides.target.empty() &&
                            guides.source.channels == guides.target.channels));
   const ImageView<const float> own[] = {features}, both[] = {guides.source, guides.target};
   const Components style = leading(own, components, progress);
@@ -129,6 +141,7 @@ CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair
   CompactFeatures out;
   out.left_out = std::max(style.left_out, guide.left_out);
   out.scale = longest > 0 ? 32767.0 / (2 * patch) / longest : 1;
+  if (!guided && fewSuffice(style, out.scale)) components = kFewComponents;
   out.texels = Image<std::int16_t>(features.width, features.height,
                                    components + (guided ? kGuideComponents : 0));
   place(style, 0, out.scale, 0, out.texels);

@@ -34,7 +34,8 @@ struct CompactFeatures {
 struct GuidePair {
   ImageView<const float> source = {}, target = {};
 };
-// `components`: 4, 8 or 16, of the features; guides take 8 more (beside 8 or 16). Longest texel 32767 / (2 * patch): 25
+// `components`: 8 or 16, of the features; 4 where there are no guides and the rest is nothing but
+// zeros, as with pictures. Guides take 8 more. Longest texel 32767 / (2 * patch): 25
 // squared differences stay in 31 bits at patch 5. Throws ProcessingError(kBadData) for a value that
 // is no number.
 CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,

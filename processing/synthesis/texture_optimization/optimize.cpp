@@ -98,10 +98,10 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
   checkGuides(whole, options, constraints);
   checkMasks(whole, options, constraints);
   const bool guided = !constraints.result_guide.empty();
-  const int components = features.channels <= 4 && !guided ? 4 : options.components;
   const patch::CompactFeatures compact = patch::compactFeatures(
-      features, {constraints.sample_guide.view(), constraints.result_guide.view()}, components,
-      options.field.patch, progress);
+      features, {constraints.sample_guide.view(), constraints.result_guide.view()},
+      options.components, options.field.patch, progress);
+  const int guide_channels = guided ? compact.guide.channels() : 0;
   OptimizedField out{.size = options.size,
                      .source = whole,
                      .patch = options.field.patch,
@@ -159,7 +159,8 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
     coarse_target = target_size;
     coarse = std::move(own);
   }
-  out.gain = contrastLost(compact.texels.view(), components, out.votes());
+  out.gain =
+      contrastLost(compact.texels.view(), compact.texels.channels() - guide_channels, out.votes());
   return out;
 }
 

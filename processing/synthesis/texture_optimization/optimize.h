@@ -31,7 +31,7 @@ struct OptimizeOptions {
   Effort effort = Effort::kFull;
   int rounds = 8;                   // of search and vote, a level; at most, where quick
   int passes = 2;                   // over what is awake, a round
-  int components = 8;               // compared; 8 or 16 (4, where features have no more)
+  int components = 8;               // compared at most; 8 or 16
   int coarsest_px = 11;             // side of the smallest level of the sample, at least
   void check(SizePx source) const;  // throws ProcessingError(kUsage): field, value, range
 };

@@ -92,8 +92,21 @@ TEST(CompactFeatures, TakeFewerChannelsThanComponents) {
   features.at(2, 3, 1) = 1;
   Progress progress;
   const CompactFeatures compact = compactFeatures(features.view(), {}, 8, 3, progress);
-  EXPECT_EQ(compact.texels.channels(), 8);
-  EXPECT_EQ(compact.texels.at(2, 3, 5), 0);
+  EXPECT_EQ(compact.texels.channels(), 4);
+  EXPECT_EQ(compact.texels.at(2, 3, 3), 0);
+}
+
+TEST(CompactFeatures, AreFourWhereTheRestIsNothing) {
+  Image<float> features(30, 30, 12, 0.04f);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x)
+      for (int c = 0; c < 4; ++c)
+        features.at(x, y, c) = static_cast<float>(gaussian(hashSeed(x, y, c)));
+  Progress progress;
+  EXPECT_EQ(compactFeatures(features.view(), {}, 8, 5, progress).texels.channels(), 4);
+  for (int i = 0; i < 30; ++i)
+    features.at(i, 7, 4) = 0.1f * static_cast<float>(gaussian(hashSeed(i)));
+  EXPECT_EQ(compactFeatures(features.view(), {}, 8, 5, progress).texels.channels(), 8);
 }
 
 TEST(CompactFeatures, MeasureGuidesOnOneScaleWithTheRest) {
