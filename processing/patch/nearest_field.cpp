@@ -97,7 +97,7 @@ void NearestField::start(std::vector<std::int32_t> centres) {
   }
   distances_.assign(centres_.size(), 0);
   Occupancy occupancy(source_.size(), options_.patch);
-  for (const std::int32_t centre : centres_) occupancy.add(centre);
+  occupancy.addAll(centres_);
   lanes_.clear();
   for (int lane = 0; lane < order_.count(); ++lane)
     lanes_.push_back({.occupancy = occupancy, .nearness = {}, .changes = {}});
@@ -107,14 +107,15 @@ void NearestField::start(std::vector<std::int32_t> centres) {
 }
 
 void NearestField::countNearness() {
-  for (int i = 0; i < order_.count(); ++i) {
+  tbb::parallel_for(0, order_.count(), [this](int i) {
     const Lanes::Columns asked = order_.columnsOf(i);
     std::vector<Nearness>& nearness = lanes_[static_cast<std::size_t>(i)].nearness;
     nearness.emplace_back(source_.size(), target_size_, options_.wraps, asked.first, asked.last);
-    nearness_scale_ = static_cast<float>(options_.nearness * scale_ * scale_ / nearness[0].unit());
     for (int y = 0; y < target_size_.height; ++y)
       for (int x = 0; x < target_size_.width; ++x) nearness[0].add(x, y, centres_[indexOf(x, y)]);
-  }
+  });
+  nearness_scale_ =
+      static_cast<float>(options_.nearness * scale_ * scale_ / lanes_[0].nearness[0].unit());
 }
 
 void NearestField::wakeSeams() {

@@ -4,7 +4,9 @@
 #include <immintrin.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 
 #include "processing/image/failure.h"
 
@@ -12,10 +14,20 @@ namespace patina::patch {
 namespace {
 
 constexpr int kCells = 16;  // along the source's smaller side
-constexpr int kReach = 12, kSide = 2 * kReach + 1, kPaddedSide = (kSide + 3) / 4 * 4,
-              kMargin = 2 * kReach;
+constexpr int kReach = 12, kSide = 2 * kReach + 1, kPaddedSide = kSide + 3, kMargin = 2 * kReach;
 constexpr double kSameCopy = 1.5;  // cells: closer is the same copy, going on
 constexpr std::int32_t kOne = 16;  // weight of what is as near as can be
+
+// Of a row of weights, by its distance from the middle: how many are 0 on either side.
+constexpr std::array<int, kReach + 1> kBlank = [] {
+  std::array<int, kReach + 1> blank{};
+  for (int y = 0; y <= kReach; ++y) {
+    int x = kReach;
+    while (x > 0 && x * x + y * y >= kReach * kReach) --x;
+    blank[static_cast<std::size_t>(y)] = kReach - x;
+  }
+  return blank;
+}();
 
 int ceilOf(int length, int cell) { return (length + cell - 1) / cell; }
 int cellOfSource(SizePx source) {
@@ -68,7 +80,9 @@ void Nearness::addAround(std::int32_t* plane, int column, int row, int sign) {
     std::int32_t* counts = plane + cellOf(column - kReach, y);
     const std::int32_t* weights =
         &kernel_[static_cast<std::size_t>((y - row + kReach) * kPaddedSide)];
-    for (int x = 0; x < kPaddedSide; x += 4) {
+    // Beyond a circle the weights are zeros.
+    const int blank = kBlank[static_cast<std::size_t>(std::abs(y - row))];
+    for (int x = blank; x < kSide - blank; x += 4) {
       auto* at = reinterpret_cast<__m128i*>(counts + x);
       const __m128i more = _mm_loadu_si128(reinterpret_cast<const __m128i*>(weights + x));
       _mm_storeu_si128(at, _mm_add_epi32(_mm_loadu_si128(at), _mm_sign_epi32(more, signs)));

@@ -38,6 +38,29 @@ Occupancy::Occupancy(SizePx source, int patch)
       tent_.push_back((patch - std::abs(y)) * std::max(0, patch - std::abs(x)));
 }
 
+// A tent is two sums of a row's and a column's neighbours, weighed by how far off they are.
+void Occupancy::addAll(std::span<const std::int32_t> centres) {
+  const int reach = patch_ - 1;
+  const auto width = static_cast<std::ptrdiff_t>(stride_),
+             height = static_cast<std::ptrdiff_t>((sums_.size() - 2 * margin_) / stride_);
+  std::vector<std::int32_t> uses(stride_ * static_cast<std::size_t>(height)), across(uses.size());
+  for (const std::int32_t centre : centres) ++uses[static_cast<std::size_t>(centre)];
+  for (std::ptrdiff_t y = 0; y < height; ++y)
+    for (int d = -reach; d <= reach; ++d) {
+      const std::int32_t* from = &uses[static_cast<std::size_t>(y * width)];
+      std::int32_t* to = &across[static_cast<std::size_t>(y * width)];
+      const std::ptrdiff_t first = std::max(0, -d), last = width - std::max(0, d);
+      for (std::ptrdiff_t x = first; x < last; ++x) to[x] += (patch_ - std::abs(d)) * from[x + d];
+    }
+  for (std::ptrdiff_t y = 0; y < height; ++y)
+    for (int d = -reach; d <= reach; ++d) {
+      if (y + d < 0 || y + d >= height) continue;
+      const std::int32_t* from = &across[static_cast<std::size_t>((y + d) * width)];
+      std::int32_t* to = &sums_[margin_ + static_cast<std::size_t>(y * width)];
+      for (std::ptrdiff_t x = 0; x < width; ++x) to[x] += (patch_ - std::abs(d)) * from[x];
+    }
+}
+
 void Occupancy::change(std::int32_t centre, int sign) {
   const auto reach = static_cast<std::size_t>(patch_ - 1);
   std::int32_t* corner = &sums_[static_cast<std::size_t>(centre) + margin_ - reach * (stride_ + 1)];

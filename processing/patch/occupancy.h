@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "processing/image/image.h"
@@ -19,6 +20,7 @@ class Occupancy {
   // One target patch more (or less) shows the source patch around `centre`.
   void add(std::int32_t centre) { change(centre, 1); }
   void remove(std::int32_t centre) { change(centre, -1); }
+  void addAll(std::span<const std::int32_t> centres);  // quicker than one by one
   // Of the source patch around `centre`: covered texels, counted as often as they are covered.
   std::int32_t at(std::int32_t centre) const {
     return sums_[static_cast<std::size_t>(centre) + margin_];

@@ -184,13 +184,15 @@ VoteGain contrastLost(ImageView<const std::int16_t> source, int voted, const pat
     }
   });
   const Image<float> around = aroundEach(votes, numbers);
-  for (int y = 0; y < height; ++y)
+  constexpr std::int64_t kCostTexel = 8;
+  forEachRow(height, kCostTexel * width, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const float lost = around.at(x, y, kLost), left = around.at(x, y, kLeft);
       if (lost > 0 && around.at(x, y, kKept) == 0)
         out.gain[votes.indexOf(x, y)] =
             std::min(kGainMost, std::sqrt(1 + lost / std::max(left, 1e-3f * lost)));
     }
+  });
   return out;
 }
 

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace patina::patch {
 namespace {
 
@@ -62,6 +65,22 @@ TEST(Nearness, IsTheSameInTheBandThatAsks) {
   for (int y = 0; y < kTarget.height; ++y)
     for (int x = 96; x < 160; ++x)
       ASSERT_EQ(band.at(x, y, kCentre), whole.at(x, y, kCentre)) << x << " " << y;
+}
+
+// Every patch is counted at every distance: no row of weights ends early.
+TEST(Nearness, IsTheSameInAllDirections) {
+  Nearness nearness(kSource, kTarget, false, 0, kTarget.width);
+  showCell(nearness, 80, 60);
+  for (int d = 1; d <= 12; ++d)
+    for (int e = 0; e <= 12 && 60 + 4 * d < kTarget.height; ++e) {
+      const int right = nearness.at(80 + 4 * d, 60 + 4 * std::min(e, d), kCentre);
+      EXPECT_EQ(nearness.at(80 - 4 * d, 60 + 4 * std::min(e, d), kCentre), right);
+      EXPECT_EQ(nearness.at(80 + 4 * std::min(e, d), 60 + 4 * d, kCentre), right);
+      EXPECT_EQ(nearness.at(80 - 4 * std::min(e, d), 60 - 4 * d, kCentre), right);
+      const double apart = std::hypot(d, std::min(e, d));
+      const bool counts = apart > 1.5 && apart < 11.9;
+      if (counts && 1 - apart / 12 > 1 / 32.0) EXPECT_GT(right, 0) << d << " " << e;
+    }
 }
 
 TEST(Nearness, TellsItsBytes) {

@@ -32,5 +32,24 @@ TEST(Occupancy, CountsHowOftenAPatchsTexelsAreShown) {
   }
 }
 
+TEST(Occupancy, IsTheSameAllAtOnceAsOneByOne) {
+  for (const int patch : {3, 5, 7}) {
+    constexpr int kWidth = 19, kHeight = 14;
+    const int reach = patch / 2;
+    Occupancy one_by_one({kWidth, kHeight}, patch), at_once({kWidth, kHeight}, patch);
+    std::vector<std::int32_t> centres;
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      const int x = reach + static_cast<int>(uniformBelow(hashSeed(i, 1), kWidth - 2 * reach)),
+                y = reach + static_cast<int>(uniformBelow(hashSeed(i, 2), kHeight - 2 * reach));
+      centres.push_back(y * kWidth + x);
+      one_by_one.add(centres.back());
+    }
+    at_once.addAll(centres);
+    for (int y = reach; y < kHeight - reach; ++y)
+      for (int x = reach; x < kWidth - reach; ++x)
+        ASSERT_EQ(at_once.at(y * kWidth + x), one_by_one.at(y * kWidth + x)) << x << " " << y;
+  }
+}
+
 }  // namespace
 }  // namespace patina::patch
