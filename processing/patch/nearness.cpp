@@ -78,8 +78,8 @@ void Nearness::addAround(std::int32_t* plane, int column, int row, int sign) {
   const int first = std::max(row - kReach, 0), last = std::min(row + kReach, rows_ - 1);
   for (int y = first; y <= last; ++y) {
     std::int32_t* counts = plane + cellOf(column - kReach, y);
-    const std::int32_t* weights =
-        &kernel_[static_cast<std::size_t>((y - row + kReach) * kPaddedSide)];
+    const int weights_at = (y - row + kReach) * kPaddedSide;
+    const std::int32_t* weights = &kernel_[static_cast<std::size_t>(weights_at)];
     // Beyond a circle the weights are zeros.
     const int blank = kBlank[static_cast<std::size_t>(std::abs(y - row))];
     for (int x = blank; x < kSide - blank; x += 4) {

@@ -59,8 +59,10 @@ std::vector<std::vector<Place>> placesOf(const OptimizedField& field, int cell_p
               sy = field.centres[i] / field.source.width,
               cell = sy / cell_px * columns + sx / cell_px;
     Place& place = shown[{cell, regions[i]}];
-    place.x += static_cast<double>(i % static_cast<std::size_t>(field.size.width));
-    place.y += static_cast<double>(i / static_cast<std::size_t>(field.size.width));
+    const auto width = static_cast<std::size_t>(field.size.width);
+    const std::size_t x = i % width, y = i / width;
+    place.x += static_cast<double>(x);
+    place.y += static_cast<double>(y);
     ++place.patches;
   }
   std::vector<std::vector<Place>> places(static_cast<std::size_t>(columns * rows));

@@ -22,7 +22,7 @@ constexpr double kNearness = 0.4;
 constexpr int kNearnessSidePx = 64;
 
 // Most of the time goes into the two finest levels, most of the gain comes from their first rounds.
-constexpr int kQuickFinestRounds = 1, kQuickNextRounds = 4;
+constexpr int kQuickFinestRounds = 1, kQuickNextRounds = 2;
 
 [[noreturn]] void refuse(const std::string& what) { throw ProcessingError(Exit::kUsage, what); }
 
