@@ -21,20 +21,21 @@ double edgeCost(double s, double t) {
   return s + t;
 }
 
+double costOf(const EdgeCosts& costs, int texel, int direction) {
+  return (direction == 0 ? costs.right : costs.down).texels()[static_cast<std::size_t>(texel)];
+}
+
 // Maximum flow by Dinic's blocking flows, on the free texels; fixed ones are the terminals. Integer
 // capacities: the result hangs on no rounding.
 class GridFlow {
  public:
-  GridFlow(ImageView<const double> difference, ImageView<const Side> side)
-      : GridFlow(difference.width, difference.height) {
+  GridFlow(const EdgeCosts& costs, ImageView<const Side> side) : GridFlow(side.width, side.height) {
     side_ = side;
     double largest = 0;
-    forEdges([&](int s, int t, int) {
-      largest = std::max(largest, edgeCost(difference.data[s], difference.data[t]));
-    });
+    forEdges([&](int s, int, int d) { largest = std::max(largest, costOf(costs, s, d)); });
     const double scale = largest > 0 ? 0x1p40 / largest : 0;
     forEdges([&](int s, int t, int d) {
-      connect(s, t, d, 1 + std::llround(scale * edgeCost(difference.data[s], difference.data[t])));
+      connect(s, t, d, 1 + std::llround(scale * costOf(costs, s, d)));
     });
   }
   // Old stands for 0, new for 1; all texels are free.
@@ -162,20 +163,33 @@ class GridFlow {
 
 }  // namespace
 
-GridCut minimumCut(ImageView<const double> difference, ImageView<const Side> side) {
-  PATINA_CHECK(difference.size() == side.size() && difference.row_stride == difference.width &&
+GridCut minimumCut(const EdgeCosts& costs, ImageView<const Side> side) {
+  PATINA_CHECK(costs.right.size() == side.size() && costs.down.size() == side.size() &&
                side.row_stride == side.width);
-  GridFlow flow(difference, side);
+  GridFlow flow(costs, side);
   flow.run();
   GridCut cut{Image<std::uint8_t>(side.width, side.height, 1), 0, 0};
   std::uint8_t* take = cut.take_new.texels().data();
   for (int v = 0; v < side.width * side.height; ++v) take[v] = !flow.isOld(v);
-  flow.forEdges([&](int s, int t, int) {
+  flow.forEdges([&](int s, int t, int d) {
     if (take[s] == take[t]) return;
-    cut.cost += edgeCost(difference.data[s], difference.data[t]);
+    cut.cost += costOf(costs, s, d);
     ++cut.cut_edges;
   });
   return cut;
+}
+
+Image<double> edgeCosts(ImageView<const double> difference, std::size_t direction) {
+  const int right = direction == 0 ? 1 : 0, down = 1 - right;
+  Image<double> costs(difference.width, difference.height, 1);
+  for (int y = 0; y + down < difference.height; ++y)
+    for (int x = 0; x + right < difference.width; ++x)
+      costs.at(x, y) = edgeCost(difference.at(x, y), difference.at(x + right, y + down));
+  return costs;
+}
+
+GridCut minimumCut(ImageView<const double> difference, ImageView<const Side> side) {
+  return minimumCut({edgeCosts(difference, 0), edgeCosts(difference, 1)}, side);
 }
 
 Image<std::uint8_t> minimumChoice(const GridTerms& terms) {

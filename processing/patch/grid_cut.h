@@ -4,6 +4,7 @@
 // by rows, a special case).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "processing/image/image.h"
@@ -27,6 +28,15 @@ struct GridCut {
 // twice. Among boundaries of equal cost the shortest is near; ties go to the new side. About
 // O(texels^1.5).
 GridCut minimumCut(ImageView<const double> difference, ImageView<const Side> side);
+
+// What a boundary costs where it runs between a texel and its right or lower neighbour; not below
+// 0.
+struct EdgeCosts {
+  Image<double> right, down;  // [h][w]
+};
+GridCut minimumCut(const EdgeCosts& costs, ImageView<const Side> side);
+// As minimumCut() reckons them from differences: of edges to the right (direction 0) or down (1).
+Image<double> edgeCosts(ImageView<const double> difference, std::size_t direction);
 
 // A choice of 0 or 1 at every texel: the sum of what `one` says where 1 is chosen (less than 0: it
 // is wanted) and of `right`, `down` where a texel has 0 and its neighbour on that side 1.

@@ -93,7 +93,7 @@ workflow::Making makingOf(const Options& options, const ttf::TtfInfo& input) {
                                          std::to_string(options.quilting.keep_from.y));
   }
   making.options.count("seam_sweeps", options.quilting.seam_sweeps);
-  making.options.count("overlap", options.quilting.overlapFor(block));
+  making.options.text("overlap", sizeText(options.quilting.overlapFor(block)));
   making.options.count("rank", options.quilting.svd_rank);
   if (options.quilting.channels_apart) making.options.text("channels", "apart");
   if (options.quilting.rank_error)
@@ -205,7 +205,7 @@ void addSynthVerbs(Verb root) {
               "Of a block; tall for what grows; auto: by the size of features over time (default: "
               "a sixth of the sample)")
       .option("--overlap", o->quilting.overlap_px, 0, 4096,
-              "Of neighbouring blocks, in pixels (default: two fifths of a block)")
+              "Of neighbouring blocks, in pixels (default: two fifths of a block, along each side)")
       .option("--rank", o->quilting.svd_rank, 1, 1000, "Components to compare blocks by, at most")
       .option("--rank-error", o->rank_error, 0.0, 1.0, "As many components as this error needs")
       .flag("--channels-apart", o->quilting.channels_apart,

@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kFrames = 9;
 constexpr double kFallen = 0.25, kFeaturesABlock = 4, kContrastLeast = 1.0 / 3;
+// Of the source's side, at most; along strokes and grain, features longer than twice their width.
+constexpr double kShare = 0.5, kShareAlong = 2.0 / 3, kStroke = 2;
 constexpr int kSideLeast = 24, kSideMost = 320;
 
 // Less the mean over a square of 2 * reach + 1.
@@ -67,9 +69,11 @@ double contrastOf(const Image<float>& picture) {
   return std::sqrt(std::max(0.0, squares / n - sum / n * sum / n));
 }
 
-int side(double feature_px, int source_px) {
+int side(double feature_px, double across_px, int source_px) {
   const int wanted = 4 * static_cast<int>(std::lround(kFeaturesABlock * feature_px / 4));
-  const int most = std::clamp(source_px / 2, std::min(kSideLeast, source_px), kSideMost);
+  const double share = feature_px > kStroke * across_px ? kShareAlong : kShare;
+  const int most = std::clamp(4 * static_cast<int>(share * source_px / 4),
+                              std::min(kSideLeast, source_px), kSideMost);
   return std::clamp(wanted, std::min(kSideLeast, most), most);
 }
 
@@ -116,8 +120,8 @@ BlockProposal proposeBlock(const QuiltingSource& source) {
     least = {std::min(least.width_px, f.width_px), std::min(least.height_px, f.height_px)};
     largest = {std::max(largest.width_px, f.width_px), std::max(largest.height_px, f.height_px)};
   }
-  proposal.block = {side(largest.width_px, source.info().width),
-                    side(largest.height_px, source.info().height)};
+  proposal.block = {side(largest.width_px, largest.height_px, source.info().width),
+                    side(largest.height_px, largest.width_px, source.info().height)};
   char text[200];
   std::snprintf(text, sizeof text,
                 "features are %.0fx%.0f px at the least and %.0fx%.0f px at the most over the "

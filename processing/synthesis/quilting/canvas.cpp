@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -18,20 +19,61 @@ float squaredDistance(const float* a, const float* b, int channels) {
   return sum;
 }
 
+double gradient(ImageView<const float> f, int x, int y, int step_x, int step_y) {
+  return std::sqrt(
+      squaredDistance(f.texel(x, y).data(), f.texel(x + step_x, y + step_y).data(), f.channels));
+}
+
+double typicalGradient(ImageView<const float> to_right, ImageView<const float> down) {
+  double sum = 0;
+  for (int y = 0; y + 1 < down.height; ++y)
+    for (int x = 0; x + 1 < down.width; ++x)
+      sum += gradient(to_right, x, y, 1, 0) + gradient(down, x, y, 0, 1);
+  return sum / (2.0 * std::max(1, down.height - 1) * std::max(1, down.width - 1));
+}
+
 }  // namespace
 
 Canvas::Canvas(ImageView<const float> features, SizePx size, SizePx block, bool wraps,
-               const TimeWarps* warps)
+               const TimeWarps* warps, const SeamMetric* metric)
     : features_(features),
       size_(size),
       block_(block),
       wraps_(wraps),
       warps_(warps),
+      metric_(metric),
+      weights_(size, 0, {}),
       source_(size.width, size.height, 2, -1),
       index_(size.width, size.height, 1, -1),
       target_(block.width, block.height, features.channels),
       at_true_time_(warps ? block.width : 0, warps ? block.height : 0, features.channels),
-      known_(block.width, block.height, 1) {}
+      known_(block.width, block.height, 1) {
+  for (std::size_t d = 0; d < 2; ++d) {
+    target_across_[d] = Image<float>(block.width, block.height, features.channels);
+    if (!metric_) continue;
+    across_[d] = Image<float>(features.width, features.height, features.channels);
+    tbb::parallel_for(0, features.height, [&](int y) {
+      for (int x = 0; x < features.width; ++x)
+        metric_->apply(static_cast<int>(d), features.texel(x, y).data(), &across_[d].at(x, y));
+    });
+  }
+  weights_ = SeamWeights(size, typicalGradient(across(0), across(1)),
+                         metric_ ? metric_->ragged : std::array<double, 2>{});
+}
+
+void Canvas::addGradients(int source_x, int source_y) {
+  for (std::size_t d = 0; d < 2; ++d) {
+    const int right = d == 0 ? 1 : 0, down = 1 - right;
+    const ImageView<const float> f = across(d);
+    for (int j = 0; j < block_.height; ++j)
+      for (int i = 0; i < block_.width; ++i) {
+        const int u = source_x + i, v = source_y + j;
+        if (!isOn(x_ + i, y_ + j) || u + right >= f.width || v + down >= f.height) continue;
+        weights_.add(d, wrapped(x_ + i, size_.width), wrapped(y_ + j, size_.height),
+                     gradient(f, u, v, right, down));
+      }
+  }
+}
 
 void Canvas::keep(ImageView<const std::uint8_t> mask, int from_x, int from_y, int index) {
   kept_ = Image<std::uint8_t>(size_.width, size_.height, 1);
@@ -58,6 +100,8 @@ patch::Overlap Canvas::look(int x, int y, int index) {
       ++known_texels_;
       const int by = index_.at(wrapped(x + i, size_.width), wrapped(y + j, size_.height));
       shownBy(by, source[0], source[1], &target_.at(i, j));
+      for (std::size_t d = 0; d < 2; ++d)
+        shownAcross(d, by, source[0], source[1], &target_across_[d].at(i, j));
       if (warps_) warps_->unwarp(index, &target_.at(i, j), &at_true_time_.at(i, j));
     }
   return {std::as_const(warps_ ? at_true_time_ : target_).view(), std::as_const(known_).view()};
@@ -71,34 +115,55 @@ void Canvas::shownBy(int index, int source_x, int source_y, float* out) const {
     std::copy(from.begin(), from.end(), out);
 }
 
-Image<double> Canvas::differenceFrom(int source_x, int source_y) const {
-  Image<double> difference(block_.width, block_.height, 1, -1.0);
+void Canvas::shownAcross(std::size_t direction, int index, int source_x, int source_y,
+                         float* out) const {
+  if (!warps_) {
+    const auto from = across(direction).texel(source_x, source_y);
+    std::copy(from.begin(), from.end(), out);
+    return;
+  }
+  thread_local std::vector<float> plain;
+  plain.resize(static_cast<std::size_t>(features_.channels));
+  float* shown = metric_ ? plain.data() : out;
+  warps_->warp(index, features_.texel(source_x, source_y).data(), shown);
+  if (metric_) metric_->apply(static_cast<int>(direction), shown, out);
+}
+
+Image<double> Canvas::differenceFrom(std::size_t direction, RectPx part, int source_x,
+                                     int source_y) const {
+  Image<double> difference(part.width, part.height, 1, -1.0);
   std::vector<float> warped(warps_ ? features_.channels : 0);
-  for (int j = 0; j < block_.height; ++j)
-    for (int i = 0; i < block_.width; ++i) {
-      if (!known_.at(i, j)) continue;
-      const float* shown = &features_.at(source_x + i, source_y + j);
+  for (int j = 0; j < part.height; ++j)
+    for (int i = 0; i < part.width; ++i) {
+      const int u = part.x + i, v = part.y + j;
+      if (!known_.at(u, v)) continue;
+      const float* shown = across(direction).texel(source_x + u, source_y + v).data();
       if (warps_) {
-        warps_->warp(looking_, shown, warped.data());
+        shownAcross(direction, looking_, source_x + u, source_y + v, warped.data());
         shown = warped.data();
       }
-      difference.at(i, j) = squaredDistance(&target_.at(i, j), shown, features_.channels);
+      difference.at(i, j) =
+          squaredDistance(&target_across_[direction].at(u, v), shown, features_.channels);
     }
   return difference;
 }
 
-double Canvas::seamEstimate(int source_x, int source_y, int overlap) const {
-  const Image<double> difference = differenceFrom(source_x, source_y);
+double Canvas::seamEstimate(int source_x, int source_y, SizePx overlap) const {
   const int width = block_.width, height = block_.height, middle_x = width / 2,
             middle_y = height / 2;
-  const ImageView<const double> d = difference.view();
+  const auto along = [&](std::size_t direction, RectPx strip) {
+    const Image<double> d = differenceFrom(direction, strip, source_x, source_y);
+    const RectPx all{0, 0, strip.width, strip.height};
+    return direction == 0 ? patch::cutAlongRows(d.view(), all)
+                          : patch::cutAlongColumns(d.view(), all);
+  };
   double sum = 0;
-  if (known_.at(0, middle_y)) sum += patch::cutAlongRows(d, {0, 0, overlap, height});
-  if (known_.at(middle_x, 0)) sum += patch::cutAlongColumns(d, {0, 0, width, overlap});
+  if (known_.at(0, middle_y)) sum += along(0, {0, 0, overlap.width, height});
+  if (known_.at(middle_x, 0)) sum += along(1, {0, 0, width, overlap.height});
   if (known_.at(width - 1, middle_y))
-    sum += patch::cutAlongRows(d, {width - overlap, 0, overlap, height});
+    sum += along(0, {width - overlap.width, 0, overlap.width, height});
   if (known_.at(middle_x, height - 1))
-    sum += patch::cutAlongColumns(d, {0, height - overlap, width, overlap});
+    sum += along(1, {0, height - overlap.height, width, overlap.height});
   return std::max(sum, 0.0);
 }
 
@@ -112,15 +177,28 @@ bool Canvas::bordersOld(int i, int j) const {
   return oldOutside(-1, 0) || oldOutside(1, 0) || oldOutside(0, -1) || oldOutside(0, 1);
 }
 
+Image<double> Canvas::edgeCosts(std::size_t direction, int source_x, int source_y) const {
+  const RectPx all{0, 0, block_.width, block_.height};
+  Image<double> costs =
+      patch::edgeCosts(differenceFrom(direction, all, source_x, source_y).view(), direction);
+  for (int j = 0; j < block_.height; ++j)
+    for (int i = 0; i < block_.width; ++i) {
+      const double weight = weightAt(direction, x_ + i, y_ + j);
+      costs.at(i, j) *= weight * weight;  // differences are squares
+    }
+  return costs;
+}
+
 patch::GridCut Canvas::paste(int source_x, int source_y) {
-  const Image<double> difference = differenceFrom(source_x, source_y);
+  addGradients(source_x, source_y);
+  const patch::EdgeCosts costs{edgeCosts(0, source_x, source_y), edgeCosts(1, source_x, source_y)};
   Image<patch::Side> side(block_.width, block_.height, 1, patch::Side::kNew);
   for (int j = 0; j < block_.height; ++j)
     for (int i = 0; i < block_.width; ++i)
       if (known_.at(i, j))
         side.at(i, j) =
             bordersOld(i, j) || isKept(x_ + i, y_ + j) ? patch::Side::kOld : patch::Side::kFree;
-  patch::GridCut cut = patch::minimumCut(difference.view(), std::as_const(side).view());
+  patch::GridCut cut = patch::minimumCut(costs, std::as_const(side).view());
   for (int j = 0; j < block_.height; ++j)
     for (int i = 0; i < block_.width; ++i) {
       if (!cut.take_new.at(i, j)) continue;

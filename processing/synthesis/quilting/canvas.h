@@ -2,19 +2,23 @@
 // The result while it is being covered: which source texel lies where, block by block.
 #pragma once
 
+#include <array>
+
 #include "processing/patch/grid_cut.h"
 #include "processing/patch/overlap_search.h"
 #include "processing/synthesis/quilting/quilting.h"
+#include "processing/synthesis/quilting/seam_metric.h"
+#include "processing/synthesis/quilting/seam_weights.h"
 #include "processing/synthesis/quilting/time_warp.h"
 
 namespace patina::quilting {
 
 class Canvas {
  public:
-  // `features` and `warps` are borrowed. `wraps`: the right edge meets the left one, the bottom the
-  // top.
+  // What is passed is borrowed. `wraps`: the right edge meets the left one, the bottom the top.
+  // Without `metric` seams are judged as blocks are, by the distance of features.
   Canvas(ImageView<const float> features, SizePx size, SizePx block, bool wraps,
-         const TimeWarps* warps = nullptr);
+         const TimeWarps* warps = nullptr, const SeamMetric* metric = nullptr);
 
   // Shows the source from (from_x, from_y) on wherever `mask` is not 0, as block `index`, for good.
   void keep(ImageView<const std::uint8_t> mask, int from_x, int from_y, int index);
@@ -25,8 +29,9 @@ class Canvas {
   std::int64_t knownTexels() const { return known_texels_; }
 
   // What a seam would cost, were source block (source_x, source_y) laid over the place last looked
-  // at: cut straight through each of the overlapping sides, `overlap` px wide. For comparing.
-  double seamEstimate(int source_x, int source_y, int overlap) const;
+  // at: cut straight through each of the overlapping sides, as wide as `overlap` says. For
+  // comparing.
+  double seamEstimate(int source_x, int source_y, SizePx overlap) const;
   // Lays it there, cut where it differs least.
   patch::GridCut paste(int source_x, int source_y);
 
@@ -35,6 +40,9 @@ class Canvas {
   // A seam between neighbours costs how far their sources are apart at both, as distances: these
   // keep to the triangle inequality, so the minimum is exact. Returns the texels that changed.
   std::int64_t expand(int x, int y, int index, int source_x, int source_y);
+
+  // How much the liveliness of a place counts for seams from now on (seam_weights.h).
+  void setLiveliness(double exponent) { weights_.setExponent(exponent); }
 
   Quilt cropped(SizePx size) const;
   Image<float> shown(SizePx size) const;  // its features, every block at its own time
@@ -62,18 +70,36 @@ class Canvas {
   double seamCost(const Copy& here, const Copy& there, int step_x, int step_y) const;
   // The features of a source texel as block `index` shows them.
   void shownBy(int index, int source_x, int source_y, float* out) const;
-  // Squared feature difference of what is there and the source block; -1 where nothing is there.
-  Image<double> differenceFrom(int source_x, int source_y) const;
+  // Features by which edges in a direction (0: to the right, 1: down) are judged.
+  ImageView<const float> across(std::size_t direction) const {
+    return across_[direction].empty() ? features_ : across_[direction].view();
+  }
+  void shownAcross(std::size_t direction, int index, int source_x, int source_y, float* out) const;
+  // Squared difference across edges of a direction of what is there and the source block, within a
+  // part of the block; -1 where nothing is there.
+  Image<double> differenceFrom(std::size_t direction, RectPx part, int source_x,
+                               int source_y) const;
+  // The gradients that this block would show, to the weights of its place.
+  void addGradients(int source_x, int source_y);
+  double weightAt(std::size_t direction, int x, int y) const {
+    return weights_.at(direction, wrapped(x, size_.width), wrapped(y, size_.height));
+  }
+  // What a boundary between what is there and the source block costs, edge by edge.
+  Image<double> edgeCosts(std::size_t direction, int source_x, int source_y) const;
 
   ImageView<const float> features_;
   SizePx size_, block_;
   bool wraps_;
   const TimeWarps* warps_;
+  const SeamMetric* metric_;
+  std::array<Image<float>, 2> across_;  // empty without a metric
+  SeamWeights weights_;
   Image<std::int32_t> source_, index_;  // -1: nothing there yet
   Image<std::uint8_t> kept_;            // empty: nothing
 
   int x_ = 0, y_ = 0, looking_ = 0;  // last looked at, and for which block
   Image<float> target_;              // as it is shown
+  std::array<Image<float>, 2> target_across_;
   Image<float> at_true_time_;
   Image<std::uint8_t> known_;
   std::int64_t known_texels_ = 0;

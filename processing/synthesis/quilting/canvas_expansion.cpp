@@ -17,15 +17,15 @@ Canvas::Copy Canvas::copyAt(int x, int y) const {
 double Canvas::seamCost(const Copy& here, const Copy& there, int step_x, int step_y) const {
   const bool one_time = !warps_ || here.index == there.index;
   if (one_time && there.x - here.x == step_x && there.y - here.y == step_y) return 0;
+  const std::size_t direction = step_x != 0 ? 0 : 1;
   const auto isSource = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < features_.width && y < features_.height;
   };
-  std::array<std::vector<float>, 2> room;
+  thread_local std::array<std::vector<float>, 2> room;
   const auto shown = [&](const Copy& copy, int dx, int dy, std::size_t place) {
-    const float* features = &features_.at(copy.x + dx, copy.y + dy);
-    if (!warps_) return features;
+    if (!warps_) return across(direction).texel(copy.x + dx, copy.y + dy).data();
     room[place].resize(static_cast<std::size_t>(features_.channels));
-    warps_->warp(copy.index, features, room[place].data());
+    shownAcross(direction, copy.index, copy.x + dx, copy.y + dy, room[place].data());
     return static_cast<const float*>(room[place].data());
   };
   const auto apart = [&](const float* a, const float* b) {
@@ -52,8 +52,10 @@ std::int64_t Canvas::expand(int x, int y, int index, int source_x, int source_y)
     const Copy a = copyAt(x + i, y + j), b = copyAt(x + i + di, y + j + dj), new_a = laid(i, j),
                new_b = laid(i + di, j + dj);
     if (a == new_a && b == new_b) return;
-    const double stay = seamCost(a, b, di, dj), enter = seamCost(a, new_b, di, dj),
-                 leave = seamCost(new_a, b, di, dj);
+    const double weight = weightAt(dj != 0, x + i, y + j);
+    const double stay = weight * seamCost(a, b, di, dj),
+                 enter = weight * seamCost(a, new_b, di, dj),
+                 leave = weight * seamCost(new_a, b, di, dj);
     terms.one.at(i, j) += leave - stay;
     terms.one.at(i + di, j + dj) -= leave;
     pair = std::max(0.0, enter + leave - stay);
@@ -62,8 +64,9 @@ std::int64_t Canvas::expand(int x, int y, int index, int source_x, int source_y)
   const auto border = [&](int i, int j, int di, int dj) {
     if (!isCovered(x + i + di, y + j + dj)) return;
     const Copy outside = copyAt(x + i + di, y + j + dj);
-    terms.one.at(i, j) +=
-        seamCost(laid(i, j), outside, di, dj) - seamCost(copyAt(x + i, y + j), outside, di, dj);
+    const double weight = weightAt(dj != 0, x + i + std::min(di, 0), y + j + std::min(dj, 0));
+    terms.one.at(i, j) += weight * (seamCost(laid(i, j), outside, di, dj) -
+                                    seamCost(copyAt(x + i, y + j), outside, di, dj));
   };
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) {

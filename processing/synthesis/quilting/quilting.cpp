@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "processing/image/random.h"
 #include "processing/patch/overlap_search.h"
@@ -20,6 +21,12 @@ namespace {
 
 constexpr std::int64_t kTexelsMost = 40'000'000;  // of the source: 60 bytes of features each
 constexpr int kTries = 64;                        // candidates whose seams are looked at
+// How much liveliness counts for seams at first and at most; how lively their places should be
+// against the rest, as features see it (as frames do, some 4 % more), and how near that is near
+// enough; it rises by about so much with an exponent larger by 1.
+constexpr double kLiveliness = 0.5, kLivelinessMost = 1.5, kSelectionWanted = 0.96,
+                 kSelectionNear = 0.02, kSelectionSlope = 0.5;
+constexpr int kRecuts = 4;
 
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
@@ -89,7 +96,7 @@ SizePx verbatimPx(SizePx source, double share) {
 class Quilter {
  public:
   Quilter(ImageView<const float> features, const QuiltingOptions& options, SizePx block,
-          SizePx canvas, TimeWarps* warps)
+          SizePx canvas, TimeWarps* warps, const SeamMetric* metric)
       : options_(options),
         block_(block),
         overlap_(options.overlapFor(block)),
@@ -99,7 +106,7 @@ class Quilter {
                verbatimPx(smallestOf(options.parts, features.size()), options.verbatim)),
         allowed_(allowedCorners(options.parts, search_.corners(), block)),
         floor_per_texel_(0.05 * neighbourDistance(features)),
-        canvas_(features, canvas, block, options.tile, warps),
+        canvas_(features, canvas, block, options.tile, warps, metric),
         warps_(warps) {
     if (options.keep.empty()) return;
     if (warps_) warps_->add();
@@ -118,17 +125,26 @@ class Quilter {
     seam_edges_ += cut.cut_edges;
   }
 
-  // All seams at once, by every block in turn, until none can be bettered.
-  void recut(Progress& progress) {
-    progress.begin("seams", static_cast<std::int64_t>(options_.seam_sweeps * index_of_.size()));
-    for (int sweep = 0; sweep < options_.seam_sweeps; ++sweep) {
-      const std::int64_t before = recut_;
-      for (std::size_t i = 0; i < index_of_.size(); ++i) {
-        const PlacedBlock& b = guard_.blocks()[i];
-        recut_ += canvas_.expand(b.x, b.y, index_of_[i], b.source_x, b.source_y);
-        progress.step();
-      }
-      if (recut_ == before) break;
+  // All seams at once, by every block in turn, until none can be bettered; and again with
+  // liveliness counting more or less, until seams run neither through the calm nor through the
+  // liveliest.
+  void recut(ImageView<const float> features, Progress& progress) {
+    if (options_.seam_sweeps == 0) return;
+    progress.begin("seams", static_cast<std::int64_t>((options_.seam_sweeps + kRecuts - 1) *
+                                                      index_of_.size()));
+    double exponent = kLiveliness, before = 0, selected_before = 0;
+    for (int i = 0; i < kRecuts; ++i) {
+      canvas_.setLiveliness(exponent);
+      sweep(i == 0 ? options_.seam_sweeps : 1, progress);
+      const double selected = seamSelection(features, canvas_.cropped(options_.size));
+      if (std::abs(selected - kSelectionWanted) < kSelectionNear) break;
+      const double slope = i > 0 && (selected - selected_before) * (exponent - before) > 0
+                               ? (selected - selected_before) / (exponent - before)
+                               : kSelectionSlope;
+      selected_before = selected;
+      before = std::exchange(exponent, std::clamp(exponent - (selected - kSelectionWanted) / slope,
+                                                  0.0, kLivelinessMost));
+      if (exponent == before) break;
     }
   }
 
@@ -145,6 +161,17 @@ class Quilter {
   }
 
  private:
+  void sweep(int times, Progress& progress) {
+    for (int sweep = 0; sweep < times; ++sweep) {
+      const std::int64_t before = recut_;
+      for (std::size_t i = 0; i < index_of_.size(); ++i) {
+        const PlacedBlock& b = guard_.blocks()[i];
+        recut_ += canvas_.expand(b.x, b.y, index_of_[i], b.source_x, b.source_y);
+        progress.step();
+      }
+      if (recut_ == before) break;
+    }
+  }
   // Of some drawn from those that agree well all over the overlap, the one that joins best.
   patch::Candidate choose(std::uint64_t draw, const patch::Overlap& overlap, int x, int y) {
     const std::int64_t known = canvas_.knownTexels();
@@ -188,7 +215,7 @@ class Quilter {
 
   const QuiltingOptions& options_;
   SizePx block_;
-  int overlap_;
+  SizePx overlap_;
   patch::OverlapSearch search_;
   RepetitionGuard guard_;
   Image<std::uint8_t> allowed_;
@@ -254,9 +281,9 @@ SizePx QuiltingOptions::blockFor(SizePx source) const {
   return {std::min(side, source.width), std::min(side, source.height)};
 }
 
-int QuiltingOptions::overlapFor(SizePx block) const {
-  if (overlap_px > 0) return overlap_px;
-  return std::max(1, std::min(block.width, block.height) * 2 / 5);
+SizePx QuiltingOptions::overlapFor(SizePx block) const {
+  if (overlap_px > 0) return {overlap_px, overlap_px};
+  return {std::max(1, block.width * 2 / 5), std::max(1, block.height * 2 / 5)};
 }
 
 double QuiltingOptions::lowFrequencyFor(SizePx block) const {
@@ -312,24 +339,24 @@ void QuiltingOptions::check(SizePx source) const {
 }
 
 QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& options,
-                  Progress& progress, TimeWarps* warps) {
+                  Progress& progress, TimeWarps* warps, const SeamMetric* metric) {
   options.check(features.size());
   const SizePx block = options.blockFor(features.size());
-  const int overlap = options.overlapFor(block);
+  const SizePx overlap = options.overlapFor(block);
   const std::vector<int> across =
-      placesAlong(options.size.width, block.width, overlap, options.tile);
+      placesAlong(options.size.width, block.width, overlap.width, options.tile);
   const std::vector<int> down =
-      placesAlong(options.size.height, block.height, overlap, options.tile);
+      placesAlong(options.size.height, block.height, overlap.height, options.tile);
   const SizePx canvas =
       options.tile ? options.size : SizePx{across.back() + block.width, down.back() + block.height};
   progress.begin("quilting", static_cast<std::int64_t>(across.size() * down.size()));
-  Quilter quilter(features, options, block, canvas, warps);
+  Quilter quilter(features, options, block, canvas, warps, metric);
   for (int y : down)
     for (int x : across) {
       quilter.place(x, y);
       progress.step();
     }
-  quilter.recut(progress);
+  quilter.recut(features, progress);
   return quilter.finish(features);
 }
 

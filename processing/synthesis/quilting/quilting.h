@@ -23,6 +23,7 @@ enum class LowFrequencyUse {
 };
 
 class TimeWarps;
+struct SeamMetric;
 
 struct PointPx {
   int x = 0, y = 0;
@@ -32,7 +33,7 @@ struct QuiltingOptions {
   SizePx size{1024, 1024};                // of the result
   SizePx block_px{0, 0};                  // width x height, tall for growing things; 0x0: a square
                                           // of a sixth of the source's smaller side, 24 to 160
-  int overlap_px = 0;                     // 0: two fifths of the block's smaller side
+  int overlap_px = 0;                     // along both sides; 0: two fifths of the block's, each
   int svd_rank = 15;                      // at most; or fewer where error allows
   std::optional<double> rank_error = {};  // relative RMS: rank chosen by error instead
   bool channels_apart = false;            // each decomposed by itself, svd_rank for all (TTF only)
@@ -55,7 +56,7 @@ struct QuiltingOptions {
   std::uint64_t seed = 1;
   void check(SizePx source) const;       // throws ProcessingError: field, value, range
   SizePx blockFor(SizePx source) const;  // the defaults resolved
-  int overlapFor(SizePx block) const;
+  SizePx overlapFor(SizePx block) const;
   double lowFrequencyFor(SizePx block) const;
 };
 
@@ -82,6 +83,8 @@ struct QuiltingReport {
   // Of the result as displayed (TTF only): the median of nine frames; and in the worst of them of
   // means over 9x9 texels, along rows or columns, whichever shows seams more.
   double seam_ratio_frames = 0, seam_ratio_worst = 0;
+  // The median again, over what the sources show at the very seams: steeper than their place?
+  double seam_ratio_in_place = 0;
   double blend_px = 0;                     // of the correction made (TTF only)
   std::int64_t texels_recut = 0;           // that another block covers since seams were cut anew
   std::vector<double> part_shares = {};    // of the result's texels, by the part they come from
@@ -95,9 +98,10 @@ struct QuiltResult {
   QuiltingReport report;
 };
 // With `warps` every block takes the next time of its own: blocks are looked for at the true time,
-// and joined and cut as they will be shown.
+// and joined and cut as they will be shown. With `metric` seams are judged by it.
 QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& options,
-                  Progress& progress, TimeWarps* warps = nullptr);
+                  Progress& progress, TimeWarps* warps = nullptr,
+                  const SeamMetric* metric = nullptr);
 
 // Copies: result texel (x,y) of `frame` = frame at source_xy, whatever its time. Multi-threaded.
 Image<std::uint16_t> applyQuilt(ImageView<const std::uint16_t> frame, const Quilt& quilt);

@@ -21,11 +21,11 @@ Image<float> leading(ImageView<const float> features, int rank) {
 }  // namespace
 
 std::vector<RankRegret> rankRegret(ImageView<const float> features, const std::vector<int>& ranks,
-                                   SizePx block, int overlap, int placements, std::uint64_t seed,
+                                   SizePx block, SizePx overlap, int placements, std::uint64_t seed,
                                    Progress& progress) {
   Image<std::uint8_t> known(block.width, block.height, 1);
   for (int y = 0; y < block.height; ++y)
-    for (int x = 0; x < block.width; ++x) known.at(x, y) = x < overlap || y < overlap;
+    for (int x = 0; x < block.width; ++x) known.at(x, y) = x < overlap.width || y < overlap.height;
   std::vector<Image<float>> targets;
   patch::OverlapSearch whole(features, block);
   const SizePx corners = whole.corners();
@@ -42,8 +42,8 @@ std::vector<RankRegret> rankRegret(ImageView<const float> features, const std::v
         {draw(1, corners.width), draw(2, corners.height), block.width, block.height}));
     const Image<float> left = copyOf(features.crop(
         {draw(3, corners.width), draw(4, corners.height), block.width, block.height}));
-    for (int y = overlap; y < block.height; ++y)
-      std::copy_n(left.view().row(y), overlap * features.channels, target.view().row(y));
+    for (int y = overlap.height; y < block.height; ++y)
+      std::copy_n(left.view().row(y), overlap.width * features.channels, target.view().row(y));
     targets.push_back(std::move(target));
     best.push_back(whole.candidates(overlapOf(targets.back()), {0, 0, {}}).front());
     progress.step();

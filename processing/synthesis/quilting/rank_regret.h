@@ -19,7 +19,7 @@ struct RankRegret {
 // `features` [h][w][k], components falling; blocks and overlaps as in quilting, `placements`
 // L-shaped overlaps of two places of the source each, drawn with `seed`.
 std::vector<RankRegret> rankRegret(ImageView<const float> features, const std::vector<int>& ranks,
-                                   SizePx block, int overlap, int placements, std::uint64_t seed,
+                                   SizePx block, SizePx overlap, int placements, std::uint64_t seed,
                                    Progress& progress);
 
 }  // namespace patina::quilting

@@ -31,14 +31,58 @@ struct Directions {
   Sums across, down;
 };
 
-void addPair(ImageView<const float> result, const Quilt& quilt, int x, int y, int step_x,
-             int step_y, Sums& sums) {
-  const auto a = result.texel(x, y), b = result.texel(x + step_x, y + step_y);
+double distance(std::span<const float> a, std::span<const float> b) {
   double squares = 0;
   for (std::size_t c = 0; c < a.size(); ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
+  return std::sqrt(squares);
+}
+
+void addPair(ImageView<const float> result, const Quilt& quilt, int x, int y, int step_x,
+             int step_y, Sums& sums) {
   const bool inside = quilt.isWhole(x, y, x + step_x, y + step_y, step_x, step_y);
-  (inside ? sums.inside : sums.seam) += std::sqrt(squares);
+  (inside ? sums.inside : sums.seam) +=
+      distance(result.texel(x, y), result.texel(x + step_x, y + step_y));
   ++(inside ? sums.inside_pairs : sums.seam_pairs);
+}
+
+void addInPlace(ImageView<const float> result, const Quilt& quilt,
+                std::span<const ImageView<const float>> sources, PointPx at, PointPx step,
+                Sums& sums) {
+  const PointPx to{at.x + step.x, at.y + step.y};
+  if (quilt.isWhole(at.x, at.y, to.x, to.y, step.x, step.y)) return;
+  double gradient = 0;
+  int sides = 0;
+  const auto addSide = [&](PointPx texel, int sign) {
+    const auto block = static_cast<std::size_t>(quilt.block.at(texel.x, texel.y));
+    const ImageView<const float>& source = sources[sources.size() == 1 ? 0 : block];
+    const auto from = quilt.source_xy.view().texel(texel.x, texel.y);
+    const int u = from[0] + sign * step.x, v = from[1] + sign * step.y;
+    if (u < 0 || v < 0 || u >= source.width || v >= source.height) return;
+    gradient += distance(source.texel(from[0], from[1]), source.texel(u, v));
+    ++sides;
+  };
+  addSide(at, 1);
+  addSide(to, -1);
+  if (sides == 0) return;
+  sums.seam += distance(result.texel(at.x, at.y), result.texel(to.x, to.y));
+  sums.inside += gradient / sides;
+  ++sums.seam_pairs;
+  ++sums.inside_pairs;
+}
+
+Sums inPlace(ImageView<const float> result, const Quilt& quilt,
+             std::span<const ImageView<const float>> sources) {
+  const int width = quilt.source_xy.width(), height = quilt.source_xy.height();
+  std::vector<Sums> rows(height);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      if (x + 1 < width) addInPlace(result, quilt, sources, {x, y}, {1, 0}, rows[y]);
+      if (y + 1 < height) addInPlace(result, quilt, sources, {x, y}, {0, 1}, rows[y]);
+    }
+  });
+  Sums sum;
+  for (const Sums& r : rows) sum.add(r);
+  return sum;
 }
 
 Directions gradients(ImageView<const float> result, const Quilt& quilt) {
@@ -91,6 +135,21 @@ double seamRatio(ImageView<const float> result, const Quilt& quilt) {
   Sums all = found.across;
   all.add(found.down);
   return all.ratio();
+}
+
+double seamRatioInPlace(ImageView<const float> result, const Quilt& quilt,
+                        std::span<const ImageView<const float>> sources) {
+  return inPlace(result, quilt, sources).ratio();
+}
+
+double seamSelection(ImageView<const float> source, const Quilt& quilt) {
+  const Image<float> result = applyQuilt(source, quilt);
+  const Directions everywhere = gradients(result.view(), quilt);
+  Sums all = everywhere.across;
+  all.add(everywhere.down);
+  const Sums there = inPlace(result.view(), quilt, {&source, 1});
+  const Sums selection{there.inside, all.inside, there.inside_pairs, all.inside_pairs};
+  return selection.ratio();
 }
 
 double seamRatioOfAreas(ImageView<const float> result, const Quilt& quilt, int radius_px) {

@@ -14,6 +14,7 @@
 #include "processing/image/encoding.h"
 #include "processing/synthesis/quilting/low_frequency.h"
 #include "processing/synthesis/quilting/seam_blend.h"
+#include "processing/synthesis/quilting/seam_metric.h"
 #include "processing/synthesis/quilting/seam_statistics.h"
 #include "processing/synthesis/quilting/time_warp.h"
 #include "processing/synthesis/quilting/ttf_features.h"
@@ -23,7 +24,7 @@ namespace patina::quilting {
 namespace {
 
 constexpr int kFramesMeasured = 9;
-constexpr double kSeamRatioWanted = 1.03;  // of single texels, the median frame's
+constexpr double kSeamRatioWanted = 1.06;  // of single texels, the median frame's
 constexpr double kAreaRatioWanted = 1.4;   // of areas, the worst frame's: below, none is seen
 constexpr double kBlendNear = 1.05;
 constexpr double kBlendLeastPx = 0.125, kBlendMostPx = 32;
@@ -87,6 +88,16 @@ class ResultFrames {
   int count() const { return source_.info().frames; }
   Image<std::uint16_t> samples(int t) const { return finished(t, samples_); }
   Image<float> linear(int t) const { return finished(t, linear_); }
+  // Frames of the source that blocks show at t, by their number.
+  std::map<int, Image<float>> sources(int t) const {
+    std::map<int, Image<float>> shown;
+    if (quilt_.times.empty()) shown.emplace(t, source_.linearFrame(t));
+    for (const std::vector<int>& times : quilt_.times) {
+      const int at = times[static_cast<std::size_t>(t)];
+      if (!shown.count(at)) shown.emplace(at, linear_.at(at));
+    }
+    return shown;
+  }
 
  private:
   template <class T>
@@ -111,26 +122,48 @@ class ResultFrames {
 };
 
 struct SeamFigures {
-  double median = 0;  // over frames
-  double worst = 0;   // frame, of areas
+  double median = 0;    // over frames
+  double in_place = 0;  // the same, against the sources' gradient at the seams themselves
+  double worst = 0;     // frame, of areas
 };
+
+void display(Image<float>& frame) {
+  tbb::parallel_for(0, frame.height(), [&](int y) {
+    float* row = frame.view().row(y);
+    for (int j = 0; j < frame.width() * frame.channels(); ++j) row[j] = srgbFromLinear(row[j]);
+  });
+}
+
+double medianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
+
+double inPlace(const ResultFrames& frames, int t, const Image<float>& frame, const Quilt& quilt) {
+  std::map<int, Image<float>> sources = frames.sources(t);
+  for (auto& [time, source] : sources) display(source);
+  std::vector<ImageView<const float>> of_block;
+  if (quilt.times.empty()) of_block.push_back(std::as_const(sources.at(t)).view());
+  for (const std::vector<int>& times : quilt.times)
+    of_block.push_back(std::as_const(sources.at(times[static_cast<std::size_t>(t)])).view());
+  return seamRatioInPlace(frame.view(), quilt, of_block);
+}
 
 SeamFigures seamFigures(const ResultFrames& frames, const Quilt& quilt) {
   const int count = std::min(kFramesMeasured, frames.count());
-  std::vector<double> ratios;
+  std::vector<double> ratios, in_place;
   SeamFigures figures;
   for (int i = 0; i < count; ++i) {
-    Image<float> frame = frames.linear(count > 1 ? i * (frames.count() - 1) / (count - 1) : 0);
-    tbb::parallel_for(0, frame.height(), [&](int y) {
-      float* row = frame.view().row(y);
-      for (int j = 0; j < frame.width() * frame.channels(); ++j) row[j] = srgbFromLinear(row[j]);
-    });
+    const int t = count > 1 ? i * (frames.count() - 1) / (count - 1) : 0;
+    Image<float> frame = frames.linear(t);
+    display(frame);
+    in_place.push_back(inPlace(frames, t, frame, quilt));
     ratios.push_back(seamRatio(std::as_const(frame).view(), quilt));
     figures.worst = std::max(figures.worst,
                              seamRatioOfAreas(std::as_const(frame).view(), quilt, kAreaRadiusPx));
   }
-  std::sort(ratios.begin(), ratios.end());
-  figures.median = (ratios[(ratios.size() - 1) / 2] + ratios[ratios.size() / 2]) / 2;
+  figures.median = medianOf(std::move(ratios));
+  figures.in_place = medianOf(std::move(in_place));
   return figures;
 }
 
@@ -203,7 +236,9 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
   const JitterOptions jitter{options.jitter_frames, options.jitter_event_frames};
   std::optional<TimeWarps> warps;
   if (jitter.any()) warps.emplace(f, jitter, options.seed);
-  QuiltResult result = quilt(f.features.view(), options, progress, warps ? &*warps : nullptr);
+  const SeamMetric metric = seamMetric(f);
+  QuiltResult result =
+      quilt(f.features.view(), options, progress, warps ? &*warps : nullptr, &metric);
   result.report.svd_error = f.relative_error;
   result.report.error_of_rank = f.error_of_rank;
 
@@ -227,6 +262,7 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
   const SeamFigures figures = seamFigures(frames, result.quilt);
   result.report.seam_ratio_frames = figures.median;
   result.report.seam_ratio_worst = figures.worst;
+  result.report.seam_ratio_in_place = figures.in_place;
   if (!jitter.any() && !blend && !low &&
       ttf::remapBytes(input.info(), options.size) <= kRemapBytes) {
     ttf::remapTtf(input, result.quilt.source_xy.view(), out, provenance_json, progress);

@@ -160,5 +160,21 @@ TEST(MinimumChoice, CostsNoMoreThanAnyOfAllChoices) {
   }
 }
 
+// Five columns between an old and a new one: edges to the right cost least in the middle, edges
+// down cost nothing, so that every row is cut there.
+TEST(MinimumCut, TakesCostsThatDifferByDirection) {
+  EdgeCosts costs{Image<double>(7, 4, 1, 5.0), Image<double>(7, 4, 1)};
+  Image<Side> side(7, 4, 1);
+  for (int y = 0; y < 4; ++y) {
+    side.at(0, y) = Side::kOld;
+    side.at(6, y) = Side::kNew;
+    costs.right.at(1 + y, y) = 2;
+  }
+  const GridCut cut = minimumCut(costs, std::as_const(side).view());
+  EXPECT_EQ(cut.cost, 4 * 2);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 7; ++x) EXPECT_EQ(cut.take_new.at(x, y), x > 1 + y);
+}
+
 }  // namespace
 }  // namespace patina::patch

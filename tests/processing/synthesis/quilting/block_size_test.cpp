@@ -63,6 +63,22 @@ TEST(ProposeBlock, IsTallWhereThingsGrowTall) {
   EXPECT_NE(p.reason.find("at the most"), std::string::npos);
 }
 
+TEST(ProposeBlock, TakesUpToTwoThirdsOfTheSampleAlongStrokesAndAHalfElsewhere) {
+  const TempFolder folder = TempFolder::inMemory();
+  const auto proposed = [&](int width_px, int height_px) {
+    ttf::TtfInfo info;
+    info.width = info.height = 256;
+    info.channels = 1;
+    ttf::TtfWriter writer(folder / "in.h5", info);
+    writer.add(cells({256, 256}, width_px, height_px).view(), 0, Sha256{});
+    writer.close();
+    const ttf::TtfReader input(folder / "in.h5");
+    return proposeBlock(QuiltingSource(input, nullptr)).block;
+  };
+  EXPECT_EQ(proposed(5, 40).height, 168);
+  EXPECT_EQ(proposed(40, 40), (SizePx{128, 128}));
+}
+
 TEST(ProposeBlock, StaysWithinASampleThatIsSmall) {
   const TempFolder folder = TempFolder::inMemory();
   writeTexture(folder / "in.h5", 1, {20, 300});

@@ -36,6 +36,7 @@ struct Laid {
   std::vector<std::array<int, 4>> blocks;  // x, y, source x, source y
   explicit Laid(const Image<float>& f, std::uint64_t seed)
       : canvas(f.view(), {22, 22}, kBlock, false) {
+    canvas.setLiveliness(0);
     for (int y : {0, 6, 12})
       for (int x : {0, 6, 12}) {
         const int number = static_cast<int>(blocks.size());

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/processing/synthesis/quilting/textures.h"
 
 namespace patina::quilting {
@@ -48,9 +50,43 @@ TEST(Canvas, FindsNoSeamWhereACopyGoesOn) {
   canvas.look(0, 0, 0);
   canvas.paste(3, 4);
   canvas.look(6, 0, 1);
-  EXPECT_EQ(canvas.seamEstimate(9, 4, 4), 0);
-  EXPECT_GT(canvas.seamEstimate(10, 4, 4), 0);
+  EXPECT_EQ(canvas.seamEstimate(9, 4, {4, 4}), 0);
+  EXPECT_GT(canvas.seamEstimate(10, 4, {4, 4}), 0);
   EXPECT_EQ(canvas.paste(9, 4).cost, 0);
+}
+
+// Of six columns two are calm; of an overlap's four, the first two.
+TEST(Canvas, CutsThroughLivelyPlacesWhereTheyCountForMore) {
+  Image<float> f(40, 40, 1);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x)
+      f.at(x, y) = static_cast<float>((x % 6 < 2 ? 0.1 : 1.0) * gaussian(hashSeed(4, x, y)));
+  const auto oldTexels = [&](double liveliness) {
+    Canvas canvas(f.view(), {16, 10}, kBlock, false);
+    canvas.setLiveliness(liveliness);
+    canvas.look(0, 0, 0);
+    canvas.paste(0, 0);
+    canvas.look(6, 0, 1);
+    canvas.paste(12, 20);
+    const Quilt quilt = canvas.cropped({16, 10});
+    return std::count(quilt.block.texels().begin(), quilt.block.texels().end(), 0);
+  };
+  EXPECT_LE(oldTexels(0), 7 * 10 + 2);
+  EXPECT_GE(oldTexels(1.5), 8 * 10);
+}
+
+// Steps across edges to the right count, those down do not: the cut runs along rows only.
+TEST(Canvas, JudgesEdgesOfEachDirectionByTheMetric) {
+  const Image<float> f = waveTexture({40, 40}, 2);
+  SeamMetric metric;
+  metric.channels = 2;
+  metric.matrix = {std::vector<float>{1, 0, 0, 1}, std::vector<float>{0, 0, 0, 0}};
+  Canvas canvas(f.view(), {10, 16}, kBlock, false, nullptr, &metric);
+  canvas.look(0, 0, 0);
+  canvas.paste(3, 4);
+  canvas.look(0, 6, 1);
+  EXPECT_EQ(canvas.seamEstimate(20, 20, {4, 4}), 0);
+  EXPECT_EQ(canvas.paste(20, 20).cost, 0);
 }
 
 TEST(Canvas, MeetsItselfWhereItWraps) {

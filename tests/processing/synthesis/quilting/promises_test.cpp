@@ -148,7 +148,7 @@ TEST(QuiltingPromises, ConstantSamplesSingleFramesAndFewFramesOfHighRankAreQuilt
     writer.close();
   }
   const auto [report, frame] = quilted(15);
-  EXPECT_NEAR(report.seam_cost_mean, 0, 1e-12);
+  EXPECT_NEAR(report.seam_cost_mean, 0, 1e-6);
   for (float v : frame.texels()) ASSERT_NEAR(v, 0.5, 1e-4);
 }
 

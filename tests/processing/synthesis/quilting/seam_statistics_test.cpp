@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace patina::quilting {
 namespace {
 
@@ -35,6 +37,34 @@ TEST(SeamRatio, IsTheStepAcrossTheSeamOverTheMeanStepInside) {
 TEST(SeamRatio, IsZeroWhereThereIsNoSeamOrNoGradient) {
   EXPECT_EQ(ratioOf(ramp(20), twoPieces(4)), 0);
   EXPECT_EQ(ratioOf(Image<float>(20, 2, 1), twoPieces(10)), 0);
+}
+
+TEST(SeamRatio, InPlaceIsAgainstWhatTheSourcesShowAtTheSeam) {
+  Image<float> source = ramp(20);
+  for (int y = 0; y < 2; ++y) source.at(4, y) = 9;  // steps of 6 before it, of 4 after
+  const Quilt quilt = twoPieces(10);
+  const Image<float> result = applyQuilt(source.view(), quilt);
+  const ImageView<const float> view = source.view();
+  // From 3 to 10: 7, where one source goes on by 6 and the other comes by 1.
+  EXPECT_DOUBLE_EQ(seamRatioInPlace(result.view(), quilt, {&view, 1}), 7 / 3.5);
+}
+
+TEST(SeamRatio, InPlaceTakesOneSideWhereTheOtherSourceEnds) {
+  const Image<float> source = ramp(4);
+  Quilt quilt{Image<std::int32_t>(2, 1, 2), Image<std::int32_t>(2, 1, 1)};
+  quilt.source_xy.at(0, 0, 0) = 3;  // the last column: nothing goes on there
+  quilt.source_xy.at(1, 0, 0) = 1;
+  quilt.block.at(1, 0) = 1;
+  const Image<float> result = applyQuilt(source.view(), quilt);
+  const std::array<ImageView<const float>, 2> of_block{source.view(), source.view()};
+  EXPECT_DOUBLE_EQ(seamRatioInPlace(result.view(), quilt, of_block), 2);
+}
+
+TEST(SeamSelection, IsTheGradientAtSeamsOverThatInside) {
+  Image<float> source = ramp(20);
+  for (int y = 0; y < 2; ++y) source.at(4, y) = 9;
+  // Inside as above: 12 steps of 1 along rows, 8 of 0.
+  EXPECT_DOUBLE_EQ(seamSelection(source.view(), twoPieces(10)), 3.5 / (12.0 / 20.0));
 }
 
 // Strokes along rows, each of a brightness of its own; of two pieces beside one another the right

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Can seams be seen? Every specimen of the twin and two real photographs, quilted by copies alone
-// and with a correction beside seams; the long form (PATINA_SEAM_TABLE) takes all of them at
-// 256x256 and holds the corrected ones to the figure of the material itself.
+// Can seams be seen? Every specimen of the twin and two real photographs,
+// quilted by copies alone and with a correction beside seams; the long form
+// (PATINA_SEAM_TABLE) takes all of them at 256x256 and holds the corrected ones
+// to the figure of the material itself.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -47,7 +48,7 @@ void writePhotograph(const std::filesystem::path& path, const std::filesystem::p
 }
 
 struct Row {
-  double cut = 0, recut = 0, blended = 0, wrapped = 0, areas = 0, blend_px = 0;
+  double cut = 0, recut = 0, blended = 0, wrapped = 0, in_place = 0, areas = 0, blend_px = 0;
 };
 
 Row measure(const TempFolder& folder, const std::string& name, SizePx size) {
@@ -66,12 +67,13 @@ Row measure(const TempFolder& folder, const std::string& name, SizePx size) {
   o.blend_auto = true;
   const QuiltingReport blended = quiltTtf(input, o, folder / "out.h5", "{}", progress);
   row.blended = blended.seam_ratio_frames;
+  row.in_place = blended.seam_ratio_in_place;
   row.areas = blended.seam_ratio_worst;
   row.blend_px = blended.blend_px;
   o.tile = true;
   row.wrapped = ratio();
-  std::printf("%-18s %6.2f %6.2f %6.2f %6.2f %6.2f %6.1f\n", name.c_str(), row.cut, row.recut,
-              row.blended, row.wrapped, row.areas, row.blend_px);
+  std::printf("%-18s %6.2f %6.2f %6.2f %6.2f %6.2f %6.2f %6.1f\n", name.c_str(), row.cut, row.recut,
+              row.blended, row.wrapped, row.in_place, row.areas, row.blend_px);
   std::fflush(stdout);
   return row;
 }
@@ -81,21 +83,29 @@ TEST(SeamTable, OfAllSpecimensAndTwoPhotographs) {
   const Case c = all ? Case{256, 24, 384} : Case{72, 5, 100};
   const TempFolder folder = TempFolder::inMemory();
   std::printf(
-      "gradient across seams / inside, median over frames: copies cut as laid, all seams cut "
+      "gradient across seams / inside, median over frames: copies cut "
+      "as laid, all seams cut "
       "anew,\n"
-      "corrected as far as needed, the same wrapped around; of areas, in the worst frame, "
-      "corrected;\n"
+      "corrected as far as needed, the same wrapped around; corrected, "
+      "against what the sources "
+      "show\n"
+      "at the very seams; of areas, in the worst frame, corrected; "
       "reach of the correction in px\n");
   std::vector<std::string> names{"steel_rusting"};
   if (all)
     names = {"banana_ripening",   "copper_patination", "grass_growth", "paint_cracking",
              "snow_accumulation", "steel_rusting",     "wood_drying"};
   const auto judge = [&](const Row& row, const std::string& name) {
-    EXPECT_LE(row.recut, 1.05 * row.cut) << name;  // the cheaper cut need not have the lower ratio
+    // The cheaper cut need not have the lower ratio: it may run through
+    // livelier places.
+    EXPECT_LE(row.recut, 1.2 * row.cut) << name;
     if (!all) return;
-    // Below 1 it may be: cuts run where the material is calm.
-    EXPECT_LE(row.blended, 1.1) << name;
-    EXPECT_LE(row.wrapped, 1.1) << name;
+    for (const double ratio : {row.blended, row.wrapped}) {
+      EXPECT_GE(ratio, 0.9) << name;
+      EXPECT_LE(ratio, 1.1) << name;
+    }
+    EXPECT_GE(row.in_place, 0.85) << name;
+    EXPECT_LE(row.in_place, 1.15) << name;
     EXPECT_LE(row.areas, 1.6) << name;
   };
   for (const std::string& name : names) {

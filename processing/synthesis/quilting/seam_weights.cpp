@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "processing/synthesis/quilting/seam_weights.h"
+
+#include <cmath>
+
+#include "processing/image/random.h"
+
+namespace patina::quilting {
+namespace {
+
+constexpr float kFloor = 0.1f;  // in typical gradients: in no calm does a seam cost without end
+constexpr std::uint64_t kSeed = 0x726167676564;
+
+}  // namespace
+
+SeamWeights::SeamWeights(SizePx canvas, double typical, std::array<double, 2> ragged)
+    : typical_(typical),
+      ragged_(ragged),
+      sum_(canvas.width, canvas.height, 2),
+      count_(canvas.width, canvas.height, 2) {}
+
+void SeamWeights::add(std::size_t direction, int x, int y, double gradient) {
+  if (!(typical_ > 0)) return;
+  const int d = static_cast<int>(direction);
+  sum_.at(x, y, d) += static_cast<float>(gradient / typical_);
+  count_.at(x, y, d) += 1;
+}
+
+double SeamWeights::at(std::size_t direction, int x, int y) const {
+  const int d = static_cast<int>(direction);
+  const float count = count_.at(x, y, d);
+  const double chance = uniform(hashSeed(kSeed, direction, x, y)),
+               ragged = std::exp(ragged_[direction] * (2 * chance - 1));
+  if (count == 0) return ragged;
+  return ragged * std::pow((1 + kFloor) / (sum_.at(x, y, d) / count + kFloor), exponent_);
+}
+
+}  // namespace patina::quilting
