@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "processing/image/random.h"
 #include "processing/patch/overlap_search.h"
+#include "processing/synthesis/quilting/block_groups.h"
 #include "processing/synthesis/quilting/canvas.h"
 #include "processing/synthesis/quilting/repetition.h"
 #include "processing/synthesis/quilting/seam_statistics.h"
@@ -26,7 +28,7 @@ constexpr int kTries = 64;                        // candidates whose seams are 
 // enough; it rises by about so much with an exponent larger by 1.
 constexpr double kLiveliness = 0.5, kLivelinessMost = 1.5, kSelectionWanted = 0.96,
                  kSelectionNear = 0.02, kSelectionSlope = 0.5;
-constexpr int kRecuts = 4;
+constexpr int kRecuts = 4, kBlocksTuned = 5;
 
 std::string text(SizePx s) { return std::to_string(s.width) + "x" + std::to_string(s.height); }
 
@@ -125,18 +127,20 @@ class Quilter {
     seam_edges_ += cut.cut_edges;
   }
 
-  // All seams at once, by every block in turn, until none can be bettered; and again with
-  // liveliness counting more or less, until seams run neither through the calm nor through the
-  // liveliest.
+  // All seams at once, by every block in turn, until none can be bettered. How much liveliness
+  // counts is found first, on some blocks at the upper left: so that seams run neither through the
+  // calm nor through the liveliest.
   void recut(ImageView<const float> features, Progress& progress) {
     if (options_.seam_sweeps == 0) return;
-    progress.begin("seams", static_cast<std::int64_t>((options_.seam_sweeps + kRecuts - 1) *
-                                                      index_of_.size()));
+    const SizePx part{std::min(options_.size.width, kBlocksTuned * block_.width),
+                      std::min(options_.size.height, kBlocksTuned * block_.height)};
+    progress.begin("seams", kRecuts + options_.seam_sweeps);
     double exponent = kLiveliness, before = 0, selected_before = 0;
     for (int i = 0; i < kRecuts; ++i) {
       canvas_.setLiveliness(exponent);
-      sweep(i == 0 ? options_.seam_sweeps : 1, progress);
-      const double selected = seamSelection(features, canvas_.cropped(options_.size));
+      sweep(part);
+      progress.step();
+      const double selected = seamSelection(features, canvas_.cropped(part));
       if (std::abs(selected - kSelectionWanted) < kSelectionNear) break;
       const double slope = i > 0 && (selected - selected_before) * (exponent - before) > 0
                                ? (selected - selected_before) / (exponent - before)
@@ -145,6 +149,13 @@ class Quilter {
       before = std::exchange(exponent, std::clamp(exponent - (selected - kSelectionWanted) / slope,
                                                   0.0, kLivelinessMost));
       if (exponent == before) break;
+    }
+    canvas_.setLiveliness(exponent);
+    for (int i = 0; i < options_.seam_sweeps; ++i) {
+      const std::int64_t changed = sweep(options_.size);
+      recut_ += changed;
+      progress.step();
+      if (changed == 0) break;
     }
   }
 
@@ -161,16 +172,25 @@ class Quilter {
   }
 
  private:
-  void sweep(int times, Progress& progress) {
-    for (int sweep = 0; sweep < times; ++sweep) {
-      const std::int64_t before = recut_;
-      for (std::size_t i = 0; i < index_of_.size(); ++i) {
-        const PlacedBlock& b = guard_.blocks()[i];
-        recut_ += canvas_.expand(b.x, b.y, index_of_[i], b.source_x, b.source_y);
-        progress.step();
-      }
-      if (recut_ == before) break;
+  // Every block that begins within that part of the result, in the order in which they were laid;
+  // those that do not meet at the same time. Returns how many texels changed.
+  std::int64_t sweep(SizePx part) {
+    std::vector<std::size_t> within;
+    std::vector<PointPx> corners;
+    for (std::size_t i = 0; i < index_of_.size(); ++i) {
+      const PlacedBlock& b = guard_.blocks()[i];
+      if (b.x >= part.width || b.y >= part.height) continue;
+      within.push_back(i);
+      corners.push_back({b.x, b.y});
     }
+    std::atomic<std::int64_t> changed = 0;
+    for (const auto& group : blockGroups(corners, block_, options_.tile ? options_.size : SizePx{}))
+      tbb::parallel_for(std::size_t{0}, group.size(), [&](std::size_t i) {
+        const std::size_t block = within[group[i]];
+        const PlacedBlock& b = guard_.blocks()[block];
+        changed += canvas_.expand(b.x, b.y, index_of_[block], b.source_x, b.source_y);
+      });
+    return changed;
   }
   // Of some drawn from those that agree well all over the overlap, the one that joins best.
   patch::Candidate choose(std::uint64_t draw, const patch::Overlap& overlap, int x, int y) {

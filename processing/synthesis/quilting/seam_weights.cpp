@@ -2,6 +2,7 @@
 #include "processing/synthesis/quilting/seam_weights.h"
 
 #include <cmath>
+#include <utility>
 
 #include "processing/image/random.h"
 
@@ -21,16 +22,29 @@ SeamWeights::SeamWeights(SizePx canvas, double typical, std::array<double, 2> ra
 
 void SeamWeights::add(std::size_t direction, int x, int y, double gradient) {
   if (!(typical_ > 0)) return;
+  known_ = Image<float>(0, 0, 2);
   const int d = static_cast<int>(direction);
   sum_.at(x, y, d) += static_cast<float>(gradient / typical_);
   count_.at(x, y, d) += 1;
 }
 
+void SeamWeights::setExponent(double exponent) {
+  exponent_ = exponent;
+  known_ = Image<float>(0, 0, 2);
+  Image<float> all(sum_.width(), sum_.height(), 2);
+  for (int y = 0; y < all.height(); ++y)
+    for (int x = 0; x < all.width(); ++x)
+      for (std::size_t d = 0; d < 2; ++d)
+        all.at(x, y, static_cast<int>(d)) = static_cast<float>(at(d, x, y));
+  known_ = std::move(all);
+}
+
 double SeamWeights::at(std::size_t direction, int x, int y) const {
   const int d = static_cast<int>(direction);
-  const float count = count_.at(x, y, d);
+  if (!known_.empty()) return known_.at(x, y, d);
   const double chance = uniform(hashSeed(kSeed, direction, x, y)),
                ragged = std::exp(ragged_[direction] * (2 * chance - 1));
+  const float count = count_.at(x, y, d);
   if (count == 0) return ragged;
   return ragged * std::pow((1 + kFloor) / (sum_.at(x, y, d) / count + kFloor), exponent_);
 }

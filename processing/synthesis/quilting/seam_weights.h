@@ -23,7 +23,8 @@ class SeamWeights {
   void add(std::size_t direction, int x, int y, double gradient);
 
   // How much liveliness counts: weights are its power with this exponent, negative; 0: all are 1.
-  void setExponent(double exponent) { exponent_ = exponent; }
+  // O(canvas), since all weights are reckoned at once; until the next add().
+  void setExponent(double exponent);
   double at(std::size_t direction, int x, int y) const;
 
  private:
@@ -31,6 +32,7 @@ class SeamWeights {
   std::array<double, 2> ragged_;
   Image<float> sum_;  // [h][w][2], in typical gradients
   Image<float> count_;
+  Image<float> known_;  // weights of all edges; empty: reckoned as they are asked for
 };
 
 }  // namespace patina::quilting
