@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // patina synth rank: how many components a texture's histories need.
+#include <algorithm>
 #include <filesystem>
 
 #include "capture/app/context.h"
 #include "capture/app/verbs/synth_verbs.h"
 #include "processing/image/picture_file.h"
 #include "processing/render/chart.h"
+#include "processing/synthesis/quilting/history_regret.h"
 #include "processing/synthesis/quilting/quilting.h"
 #include "processing/synthesis/quilting/rank_regret.h"
 #include "processing/synthesis/quilting/ttf_features.h"
@@ -19,7 +21,7 @@ constexpr int kRanks[] = {1, 2, 3, 5, 8, 10, 15, 20, 30, 40, 60};
 struct Options {
   std::string in, chart;
   quilting::QuiltingOptions quilting;
-  int most = 80;
+  int most = 80, histories = 12;
 };
 
 void draw(const std::string& file, const std::vector<double>& error_of_rank) {
@@ -55,15 +57,31 @@ void rank(Context& context, const Options& options) {
   for (int k : kRanks)
     if (k <= f.features.channels()) ranks.push_back(k);
   const SizePx block = options.quilting.blockFor(source.size());
+  const SizePx overlap = options.quilting.overlapFor(block);
+  const std::vector<quilting::Placement> placements = quilting::drawPlacements(
+      {source.size().width - block.width + 1, source.size().height - block.height + 1}, kPlacements,
+      context.seed());
   const std::vector<quilting::RankRegret> regrets =
-      quilting::rankRegret(f.features.view(), ranks, block, options.quilting.overlapFor(block),
-                           kPlacements, context.seed(), context.progress);
-  for (const quilting::RankRegret& r : regrets)
-    context.out.add(std::move(Item()
-                                  .set("rank", r.rank)
-                                  .set("error", Value{f.error_of_rank[r.rank - 1]})
-                                  .set("regret", Value{r.mean})
-                                  .set("same_choice_share", Value{r.same_share})));
+      quilting::rankRegret(f.features.view(), ranks, block, overlap, placements, context.progress);
+  std::vector<quilting::HistoryRegret> over_frames;
+  if (options.histories > 0) {
+    const std::vector<quilting::Placement> some(
+        placements.begin(), placements.begin() + std::min(options.histories, kPlacements));
+    over_frames =
+        quilting::historyRegret(source, f.weight, block, overlap, some, regrets, context.progress);
+  }
+  for (std::size_t i = 0; i < regrets.size(); ++i) {
+    const quilting::RankRegret& r = regrets[i];
+    Item item;
+    item.set("rank", r.rank)
+        .set("error", Value{f.error_of_rank[static_cast<std::size_t>(r.rank) - 1]})
+        .set("regret", Value{r.mean})
+        .set("same_choice_share", Value{r.same_share});
+    if (!over_frames.empty())
+      item.set("regret_frames", Value{over_frames[i].mean})
+          .set("same_choice_share_frames", Value{over_frames[i].same_share});
+    context.out.add(std::move(item));
+  }
   if (!options.chart.empty()) draw(options.chart, f.error_of_rank);
 }
 
@@ -79,6 +97,9 @@ void addSynthRankVerb(Verb synth) {
             [o](Context& context) { rank(context, *o); })
       .required("IN", o->in, "A texture's .h5 file")
       .option("--most", o->most, 1, 1000, "Components that stand for all (default: 80)")
+      .option(
+          "--histories", o->histories, 0, kPlacements,
+          "Placements that are judged over all frames too, from the file (default: 12; 0: none)")
       .option("--block", o->quilting.block_px, parseSize, "WxH",
               "Of the blocks compared (default: a sixth of the sample)")
       .option("--chart", o->chart, "FILE", "The curve of errors too: .png or .svg");

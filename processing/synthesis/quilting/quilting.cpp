@@ -24,9 +24,9 @@ namespace {
 constexpr std::int64_t kTexelsMost = 40'000'000;  // of the source: 60 bytes of features each
 constexpr int kTries = 64;                        // candidates whose seams are looked at
 // How much liveliness counts for seams at first and at most; how lively their places should be
-// against the rest, as features see it (as frames do, some 4 % more), and how near that is near
-// enough; it rises by about so much with an exponent larger by 1.
-constexpr double kLiveliness = 0.5, kLivelinessMost = 1.5, kSelectionWanted = 0.96,
+// against the rest, as features see it (as frames do, some 5 to 10 % more), and how near that is
+// near enough; it rises by about so much with an exponent larger by 1.
+constexpr double kLiveliness = 0.5, kLivelinessMost = 1.5, kSelectionWanted = 0.92,
                  kSelectionNear = 0.02, kSelectionSlope = 0.5;
 constexpr int kRecuts = 4, kBlocksTuned = 5;
 

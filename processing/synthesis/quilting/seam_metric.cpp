@@ -11,6 +11,7 @@ namespace {
 
 // A frame has at least so much: of the strongest in any frame and direction, and displayed.
 constexpr double kGradientFloor = 0.03, kGradientUnseen = 0.001;
+constexpr double kRaggedMost = 0.7;
 
 using Matrix = std::vector<double>;  // [k][k], symmetric
 
@@ -101,7 +102,7 @@ SeamMetric seamMetric(const TtfFeatures& f) {
     for (std::size_t t = 0; t < frames; ++t) {
       addFrame(f, t, 1 / (gradient[d][t] * static_cast<double>(frames)), m);
       const double strokes = std::log(gradient[1 - d][t] / gradient[d][t]) / 2;  // of squares
-      metric.ragged[d] = std::max(metric.ragged[d], std::min(1.0, strokes / 2));
+      metric.ragged[d] = std::max(metric.ragged[d], std::min(kRaggedMost, strokes / 2));
     }
     metric.matrix[d] = factor(std::move(m), k);
   }

@@ -15,7 +15,7 @@ struct SeamMetric {
   std::array<std::vector<float>, 2> matrix;  // A: [k][k] each
   int channels = 0;                          // k
   // How ragged seams across such edges should be (seam_weights.h): half the logarithm of how much
-  // stronger gradients are in the other direction, in the frame where that is most; 0 to 1.
+  // stronger gradients are in the other direction, in the frame where that is most; 0 to 0.7.
   std::array<double, 2> ragged{};
 
   void apply(int direction, const float* in, float* out) const;

@@ -116,7 +116,7 @@ TEST(Quilting, LeadsSeamsNeitherThroughTheCalmOnlyNorThroughTheLiveliest) {
     for (int x = 0; x < 120; ++x)
       if ((x + y / 3) % 24 == 0) f.at(x, y) += 8;
   QuiltingOptions o = small({160, 160});
-  EXPECT_NEAR(seamSelection(f.view(), run(f, o).quilt), 0.96, 0.06);
+  EXPECT_NEAR(seamSelection(f.view(), run(f, o).quilt), 0.92, 0.06);
 }
 
 TEST(Quilting, CopiesOnlyTexelsThatExistForAnySize) {

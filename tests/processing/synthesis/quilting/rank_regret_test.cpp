@@ -12,7 +12,7 @@ TEST(RankRegret, FallsWithTheRankToNothingAtAllComponents) {
   const Image<float> f = waveTexture({70, 70}, 6);
   Progress progress;
   const std::vector<RankRegret> regrets =
-      rankRegret(f.view(), {1, 3, 6}, {16, 16}, {5, 5}, 25, 1, progress);
+      rankRegret(f.view(), {1, 3, 6}, {16, 16}, {5, 5}, drawPlacements({55, 55}, 25, 1), progress);
   ASSERT_EQ(regrets.size(), 3u);
   EXPECT_GT(regrets[0].mean, regrets[1].mean);
   EXPECT_LT(regrets[0].same_share, 1);
