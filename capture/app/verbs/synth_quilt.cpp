@@ -183,6 +183,7 @@ void quilt(Context& context, Options& options) {
       .set("seam_ratio", Value{report.seam_ratio})
       .set("seam_ratio_frames", Value{report.seam_ratio_frames})
       .set("seam_ratio_worst", Value{report.seam_ratio_worst})
+      .set("seam_ratio_in_place", Value{report.seam_ratio_in_place})
       .set("blend_px", Value{report.blend_px})
       .set("seed", static_cast<std::int64_t>(options.quilting.seed));
   if (!report.part_shares.empty()) item.set("shares", sharesText(report.part_shares).c_str());

@@ -41,12 +41,13 @@ TEST(SeamRatio, IsZeroWhereThereIsNoSeamOrNoGradient) {
 
 TEST(SeamRatio, InPlaceIsAgainstWhatTheSourcesShowAtTheSeam) {
   Image<float> source = ramp(20);
-  for (int y = 0; y < 2; ++y) source.at(4, y) = 9;  // steps of 6 before it, of 4 after
+  for (int y = 0; y < 2; ++y) source.at(4, y) = 9;  // from 3: a step of 6
+  for (int y = 0; y < 2; ++y) source.at(9, y) = 7;  // to 10: a step of 3
   const Quilt quilt = twoPieces(10);
   const Image<float> result = applyQuilt(source.view(), quilt);
   const ImageView<const float> view = source.view();
-  // From 3 to 10: 7, where one source goes on by 6 and the other comes by 1.
-  EXPECT_DOUBLE_EQ(seamRatioInPlace(result.view(), quilt, {&view, 1}), 7 / 3.5);
+  // From 3 to 10: 7, where one source goes on by 6 and the other comes by 3.
+  EXPECT_DOUBLE_EQ(seamRatioInPlace(result.view(), quilt, {&view, 1}), 7 / 4.5);
 }
 
 TEST(SeamRatio, InPlaceTakesOneSideWhereTheOtherSourceEnds) {
@@ -63,8 +64,9 @@ TEST(SeamRatio, InPlaceTakesOneSideWhereTheOtherSourceEnds) {
 TEST(SeamSelection, IsTheGradientAtSeamsOverThatInside) {
   Image<float> source = ramp(20);
   for (int y = 0; y < 2; ++y) source.at(4, y) = 9;
+  for (int y = 0; y < 2; ++y) source.at(9, y) = 7;
   // Inside as above: 12 steps of 1 along rows, 8 of 0.
-  EXPECT_DOUBLE_EQ(seamSelection(source.view(), twoPieces(10)), 3.5 / (12.0 / 20.0));
+  EXPECT_DOUBLE_EQ(seamSelection(source.view(), twoPieces(10)), 4.5 / (12.0 / 20.0));
 }
 
 // Strokes along rows, each of a brightness of its own; of two pieces beside one another the right
