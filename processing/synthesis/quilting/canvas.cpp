@@ -183,6 +183,7 @@ Image<double> Canvas::edgeCosts(std::size_t direction, int source_x, int source_
       patch::edgeCosts(differenceFrom(direction, all, source_x, source_y).view(), direction);
   for (int j = 0; j < block_.height; ++j)
     for (int i = 0; i < block_.width; ++i) {
+      if (costs.at(i, j) == 0) continue;
       const double weight = weightAt(direction, x_ + i, y_ + j);
       costs.at(i, j) *= weight * weight;  // differences are squares
     }

@@ -198,7 +198,7 @@ TEST(Quilting, KeepsTheMapItOnceGave) {
     }
   const QuiltResult r = run(f, small({64, 64}));
   const auto& map = r.quilt.source_xy.texels();
-  EXPECT_EQ(sha256(std::as_bytes(std::span(map))).hex().substr(0, 16), "da4dc15414c12028");
+  EXPECT_EQ(sha256(std::as_bytes(std::span(map))).hex().substr(0, 16), "b622295c1b795254");
 }
 
 TEST(Quilting, WrapsAroundWithoutAVisibleSeamWhereAsked) {
