@@ -83,7 +83,7 @@ class Correlations {
       Spectra::Plane target(area());
       shape_.forTexels([&](int x, int y) {
         const PointPx from = shape_.from(placements_[i], x, y);
-        target[static_cast<std::size_t>(y * stride() + x)] = plane.at(from.x, from.y);
+        target[at(x, y)] = plane.at(from.x, from.y);
       });
       Spectra::Spectrum overlap;
       spectra_.forward(target, overlap);
@@ -104,9 +104,7 @@ class Correlations {
     std::vector<Cost> costs;
     for (int y = 0; y + shape_.block.height <= source_.height; ++y)
       for (int x = 0; x + shape_.block.width <= source_.width; ++x)
-        costs.push_back(
-            {overlapEnergy(x, y) - 2.0 * common[static_cast<std::size_t>(y * stride() + x)],
-             {x, y}});
+        costs.push_back({overlapEnergy(x, y) - 2.0 * common[at(x, y)], {x, y}});
     const std::size_t count = std::min(kLeast, costs.size());
     std::partial_sort(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(count),
                       costs.end(), [](const Cost& a, const Cost& b) { return a.cost < b.cost; });
@@ -126,6 +124,10 @@ class Correlations {
 
  private:
   int stride() const { return spectra_.padded().width; }
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride()) +
+           static_cast<std::size_t>(x);
+  }
   std::size_t area() const {
     return static_cast<std::size_t>(stride()) * static_cast<std::size_t>(spectra_.padded().height);
   }
