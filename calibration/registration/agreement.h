@@ -13,8 +13,8 @@ struct Agreement {
   double zncc = 0;         // of `local` over all blocks with structure, -1 .. 1
   double share = 0;        // of the blocks that can be judged
   double residual_px = 0;  // median distance by which agreeing blocks still lie apart
-  // Standard error of a translation, out of how blocks differ among themselves (White's sandwich
-  // estimator, blocks as clusters): a blank surface tells little. Infinite when nothing is told.
+  // Standard error of a translation, out of what each block's absence changes (jackknife): a blank
+  // surface tells little, a few specks less than they seem to. Infinite when nothing is told.
   double uncertainty_px = 0;
   // Contrast of the frame over the reference's where they agree: within 4 px, and from
   // there to 16 px of that level. Both low: fog. The fine one alone: out of focus.

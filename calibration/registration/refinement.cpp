@@ -15,6 +15,7 @@ namespace patina::calibration {
 namespace {
 
 constexpr float kOutlier = 0.5f;  // residual of a pixel that counts half, in spreads
+constexpr float kBent = 4;  // weight of squared curvature: detail that pixels sample too coarsely
 constexpr int kTranslationSteps = 12, kEccSteps = 60;
 constexpr double kTranslationDone_px = 0.004, kEccDone = 1e-4;
 
@@ -53,6 +54,9 @@ Sums sumsOfRow(const PictureLevel& reference, const PictureLevel& frame, int y, 
     const float seen = a * high[x] + b * high[x + 1] + c * low[x] + d * low[x + 1];
     const float residual = seen - row[x];
     float weight = 1 / (1 + residual * residual * kInverse);
+    const float bent_x = row[x + 1] - 2 * row[x] + row[x - 1],
+                bent_y = down[x] - 2 * row[x] + up[x];
+    weight /= 1 + kBent * (bent_x * bent_x + bent_y * bent_y);
     if (usable) weight = usable[x] ? weight : 0;
     const float gx = 0.5f * (row[x + 1] - row[x - 1]), gy = 0.5f * (down[x] - up[x]);
     const float wx = weight * gx, wy = weight * gy;

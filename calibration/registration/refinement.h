@@ -21,7 +21,8 @@ struct LevelMask {
 
 // By translation alone: inverse compositional Gauss-Newton (Baker and Matthews, "Lucas-Kanade 20
 // Years On", 2004, section 3.2) on `local`, each pixel weighted by 1 / (1 + (r / 0.5)^2), so that
-// what has changed does not pull. `start` must be a translation. Catches a few pixels of the
+// what has changed does not pull, and by less where the reference is bent within a pixel: there
+// each frame samples something else. `start` must be a translation. Catches a few pixels of the
 // coarsest level: 16 to 32 px of a picture, 64 and more of a large one. Not cv::findTransformECC
 // because that takes twice as long. Multi-threaded; the same result for any number of threads.
 Refinement refineTranslation(const PreparedPicture& reference, const PreparedPicture& frame,

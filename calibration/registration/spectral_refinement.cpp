@@ -22,7 +22,7 @@ constexpr int kSteps = 5, kTaperPx = 5;
 constexpr int kCrowd_px = 65;  // what a speck is measured against
 constexpr double kDone_px = 0.002;
 constexpr double kHighestCycles = 0.35;  // a pixel; above it the smoothing has left nothing
-constexpr double kSure = 2;  // standard errors by which a ring's coherence must stand out
+constexpr double kSure = 3;  // standard errors by which a ring's coherence must stand out
 
 cv::Mat meanOver(const cv::Mat& in, int side_px) {
   cv::Mat out;
@@ -192,7 +192,7 @@ SpectralShift refineBySpectrum(const PreparedPicture& reference, const PreparedP
   const cv::Mat matrix = (cv::Mat_<double>(2, 3) << 1, 0, motion[2], 0, 1, motion[5]);
   cv::warpAffine(asMat(seen.log_light.view()), laid, matrix, {window.cols, window.rows},
                  cv::INTER_LANCZOS4 | cv::WARP_INVERSE_MAP, cv::BORDER_REFLECT_101);
-  const double per_ring = 4.0 / std::min(window.rows, window.cols);
+  const double per_ring = 6.0 / std::min(window.rows, window.cols);
   const std::vector<Wave> waves =
       wavesOf(detailOf(asMat(own.log_light.view()), window), detailOf(laid, window), per_ring);
   double x = 0, y = 0;

@@ -8,6 +8,7 @@
 
 #include "devices/twin/specimen_pose.h"
 #include "processing/image/dng_file.h"
+#include "processing/image/linear_mosaic.h"
 #include "processing/image/random.h"
 
 namespace patina::calibration {
@@ -31,11 +32,13 @@ std::vector<float> lightOf(const SurfaceMaps& maps) {
   return light;
 }
 
+double electronsPerLight() { return referenceProfile().sensor.full_well / 1.2; }
+
 Image<float> readOut(const ImageSensor& sensor, std::vector<float> light, std::uint64_t seed) {
   const SensorProfile& profile = referenceProfile().sensor;
   const SizePx size = sensor.size();
   SensorShot shot;
-  shot.electrons_per_light = static_cast<float>(profile.full_well / 1.2);
+  shot.electrons_per_light = static_cast<float>(electronsPerLight());
   shot.exposure = profile.grey_exposure;
   shot.noise_key = hashSeed(seed, 77);
   RawMosaic raw;
@@ -95,6 +98,33 @@ Image<float> ShiftedSpecimen::developed(std::vector<float> light, std::uint64_t 
 
 Image<float> ShiftedSpecimen::at(double time, PlacePx shift, std::uint64_t seed) const {
   return developed(lightAt(time, shift), seed);
+}
+
+Image<float> ShiftedSpecimen::withoutNoise(const std::vector<float>& light) const {
+  Image<float> mosaic(size_.width, size_.height, 1);
+  mosaic.texels() = light;
+  return demosaicLinear(std::as_const(mosaic).view(), RawMosaic{}.cfa);
+}
+
+double ShiftedSpecimen::boundPx(double time) const {
+  const std::vector<float> light = lightAt(time, {}),
+                           falloff = lensFalloff(size_, referenceProfile().lens);
+  const Image<float> seen = withoutNoise(light);
+  const SensorProfile& sensor = referenceProfile().sensor;
+  const double step_e = sensor.electronsPerStep(),
+               still_e2 = sensor.read_noise * sensor.read_noise + step_e * step_e / 12;
+  double xx = 0, xy = 0, yy = 0;
+  for (int y = 1; y < size_.height - 1; ++y)
+    for (int x = 1; x < size_.width - 1; ++x) {
+      const std::size_t k = static_cast<std::size_t>(y) * size_.width + x;
+      const int c = (x & 1) + (y & 1);
+      const double electrons = electronsPerLight() * falloff[k],
+                   weight = 0.5 * electrons * electrons / (electrons * light[k] + still_e2);
+      const double gx = 0.5 * (seen.at(x + 1, y, c) - seen.at(x - 1, y, c)),
+                   gy = 0.5 * (seen.at(x, y + 1, c) - seen.at(x, y - 1, c));
+      xx += weight * gx * gx, xy += weight * gx * gy, yy += weight * gy * gy;
+    }
+  return std::sqrt((xx + yy) / (xx * yy - xy * xy));
 }
 
 std::vector<float> ShiftedSpecimen::withCard(std::vector<float> light, PlacePx shift) const {

@@ -20,10 +20,15 @@ class ShiftedSpecimen {
  public:
   ShiftedSpecimen(const std::string& name, SizePx size);
   Image<float> at(double time, PlacePx shift, std::uint64_t seed) const;
+  // Cramer and Rao's bound of a shift between two such pictures, sqrt(x^2 + y^2): Fisher's matrix
+  // of what the mosaic's pixels would see without noise, each by its colour's interpolated
+  // gradient, under the profile's noise of both.
+  double boundPx(double time) const;
 
   // In two steps: what reaches the sensor, [h][w], and what it makes of it.
   std::vector<float> lightAt(double time, PlacePx shift) const;
   Image<float> developed(std::vector<float> light, std::uint64_t seed) const;
+  Image<float> withoutNoise(const std::vector<float>& light) const;  // nor the lens's fall-off
   // The same light where a card of black dots, moved along, lies over the left quarter.
   std::vector<float> withCard(std::vector<float> light, PlacePx shift) const;
   Image<std::uint8_t> cardMask() const;  // well within the card wherever it is moved to by 4 px
