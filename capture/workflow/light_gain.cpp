@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <numeric>
 #include <vector>
 
 #include "calibration/light/light_statistics.h"
@@ -48,12 +49,15 @@ std::vector<Measured> measureAll(ArchiveFrames& frames, RectPx patch, Progress& 
   return all;
 }
 
-double medianOf(const std::vector<Measured>& all, std::size_t channel) {
+// Mean of the middle half: a single frame's level, as a median is one, has that frame's noise, and
+// all gains would inherit it.
+double middleOf(const std::vector<Measured>& all, std::size_t channel) {
   std::vector<double> levels;
   for (const Measured& one : all) levels.push_back(one.level[channel]);
-  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-  std::nth_element(levels.begin(), middle, levels.end());
-  return *middle;
+  std::ranges::sort(levels);
+  const auto quarter = static_cast<std::ptrdiff_t>((levels.size() - 1) / 4);
+  return std::accumulate(levels.begin() + quarter, levels.end() - quarter, 0.0) /
+         static_cast<double>(levels.size() - 2 * static_cast<std::size_t>(quarter));
 }
 
 double flickerOf(const std::vector<Measured>& all, std::size_t channel) {
@@ -120,7 +124,7 @@ LightGainOutcome measureLightGain(const fs::path& archive, const LightGainReques
   outcome.frames = static_cast<std::int64_t>(all.size());
   std::array<double, 3> baseline{};
   for (std::size_t c = 0; c < 3; ++c) {
-    baseline[c] = medianOf(all, c);
+    baseline[c] = middleOf(all, c);
     outcome.flicker[c] = flickerOf(all, c);
   }
   outcome.gain_min.fill(1e9);

@@ -26,9 +26,9 @@ struct LightGainOutcome {
   std::array<double, 3> flicker{};  // of the region's level, RMS over the mean, before
   std::array<double, 3> gain_min{}, gain_max{};
 };
-// The region's trimmed mean in every frame against the median of all frames. A newer measurement
-// of the same frames takes the place of an older one. Throws WorkflowError(kBadData) when the
-// region is dark or clipped in any frame, CalibrationError when it leaves the pictures.
+// The region's trimmed mean in every frame against the mean of all frames' middle half. A newer
+// measurement of the same frames takes the place of an older one. Throws WorkflowError(kBadData)
+// when the region is dark or clipped in any frame, CalibrationError when it leaves the pictures.
 LightGainOutcome measureLightGain(const std::filesystem::path& archive,
                                   const LightGainRequest& request, UtcTime now, Progress& progress);
 
