@@ -16,7 +16,7 @@ namespace patina::calibration {
 namespace {
 
 constexpr int kRelaxations = 30;
-constexpr float kOutlier = 0.7f;  // residual of a pixel that counts half, in spreads
+constexpr float kOutlier = 2;  // residual of a pixel that counts half, in spreads
 
 void within(const char* field, double value, double least, double most) {
   if (value >= least && value <= most) return;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "calibration/failure.h"
+#include "calibration/registration/registration.h"
 
 namespace patina::calibration {
 
@@ -15,8 +16,16 @@ void DeformationTrackOptions::check() const {
                                              std::to_string(renew_zncc) + "; allowed: 0 to 1");
 }
 
-DeformationTrack::DeformationTrack(const DeformationTrackOptions& options) : options_(options) {
+DeformationTrack::DeformationTrack(DeformationTrackOptions options) : options_(std::move(options)) {
   options_.check();
+}
+
+PreparedPicture DeformationTrack::prepared(ImageView<const float> frame,
+                                           const Motion& frame_from_reference) const {
+  if (options_.specimen.empty()) return preparePicture(frame);
+  const Image<std::uint8_t> mask =
+      maskMoved(options_.specimen.view(), frame_from_reference, frame.size());
+  return preparePicture(frame, mask.view());
 }
 
 bool DeformationTrack::hasAged(const Deformation& found) const {
@@ -33,7 +42,8 @@ void DeformationTrack::renew(ImageView<const float> frame, const Deformation& fo
       const float u = map.source_px.at(x, y, 0), v = map.source_px.at(x, y, 1);
       const bool inside = u >= 0 && v >= 0 && u <= static_cast<float>(frame.width - 1) &&
                           v <= static_cast<float>(frame.height - 1);
-      seen.at(x, y) = inside ? 255 : 0;
+      const bool specimen = options_.specimen.empty() || options_.specimen.at(x, y) != 0;
+      seen.at(x, y) = inside && specimen ? 255 : 0;
     }
   const Image<float> laid = resample(frame, map);
   recent_ = preparePicture(laid.view(), std::as_const(seen).view());
@@ -42,18 +52,18 @@ void DeformationTrack::renew(ImageView<const float> frame, const Deformation& fo
 
 Deformation DeformationTrack::add(ImageView<const float> frame, const Motion& frame_from_reference,
                                   Progress& progress) {
-  const PreparedPicture prepared = preparePicture(frame);
+  const PreparedPicture now = prepared(frame, frame_from_reference);
   if (made_ == 0) {
-    first_ = prepared;
+    first_ = now;
     made_ = 1;
   }
   const bool held_first = recent_.levels.empty();
-  Deformation found = findDeformation(held_first ? first_ : recent_, prepared, frame_from_reference,
+  Deformation found = findDeformation(held_first ? first_ : recent_, now, frame_from_reference,
                                       options_.field, progress);
   if (!hasAged(found)) return found;
   if (!held_first) {
     Deformation by_first =
-        findDeformation(first_, prepared, frame_from_reference, options_.field, progress);
+        findDeformation(first_, now, frame_from_reference, options_.field, progress);
     if (!hasAged(by_first)) {
       recent_ = {};
       return by_first;

@@ -10,7 +10,10 @@ namespace patina::calibration {
 struct DeformationTrackOptions {
   DeformationOptions field;
   double renew_zncc = 0.75;  // below it the picture that is held on to has aged; 0: never renewed
-  void check() const;        // CalibrationError(kUsage): field, value, range
+  // What shrinks or warps, [h][w] of the first frame, others 0: a patch or fiducials beside it stay
+  // where they are and would hold it back. Empty: all of it.
+  Image<std::uint8_t> specimen;
+  void check() const;  // CalibrationError(kUsage): field, value, range
 };
 
 // Fields are against the first frame: what is held on to is that frame, or a later one laid over
@@ -19,13 +22,14 @@ struct DeformationTrackOptions {
 // use.
 class DeformationTrack {
  public:
-  explicit DeformationTrack(const DeformationTrackOptions& options);
+  explicit DeformationTrack(DeformationTrackOptions options);
   // The next frame, all of one size, and where the camera stood.
   Deformation add(ImageView<const float> frame, const Motion& frame_from_reference,
                   Progress& progress);
   int keyframesMade() const { return made_; }
 
  private:
+  PreparedPicture prepared(ImageView<const float> frame, const Motion& frame_from_reference) const;
   bool hasAged(const Deformation& found) const;
   void renew(ImageView<const float> frame, const Deformation& found);
 

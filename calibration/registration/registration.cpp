@@ -210,20 +210,23 @@ Verdict verdictOf(const Agreement& a, const AlignOptions& options) {
   return a.covered >= options.least_spot ? Verdict::kSpot : Verdict::kGood;
 }
 
-Image<std::uint8_t> maskInFrame(const PreparedPicture& reference, const Motion& motion,
-                                SizePx frame) {
-  const Image<std::uint8_t>& usable = reference.mask;
-  if (usable.empty()) return {};
-  const Motion back = inverse(motion);
+Image<std::uint8_t> maskMoved(ImageView<const std::uint8_t> mask,
+                              const Motion& frame_from_reference, SizePx frame) {
+  const Motion back = inverse(frame_from_reference);
   Image<std::uint8_t> out(frame.width, frame.height, 1);
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {
       const PlacePx p = moved(back, {static_cast<double>(x), static_cast<double>(y)});
       const int px = static_cast<int>(std::lround(p.x)), py = static_cast<int>(std::lround(p.y));
-      if (px >= 0 && py >= 0 && px < usable.width() && py < usable.height())
-        out.at(x, y) = usable.at(px, py);
+      if (px >= 0 && py >= 0 && px < mask.width && py < mask.height) out.at(x, y) = mask.at(px, py);
     }
   return out;
+}
+
+Image<std::uint8_t> maskInFrame(const PreparedPicture& reference, const Motion& motion,
+                                SizePx frame) {
+  if (reference.mask.empty()) return {};
+  return maskMoved(reference.mask.view(), motion, frame);
 }
 
 Alignment align(ImageView<const float> frame, const PreparedPicture& reference,

@@ -68,7 +68,10 @@ Verdict verdictOf(const Agreement& agreement, const AlignOptions& options);
 // wanted 0.50 px". Empty for kGood.
 std::string reasonOf(Verdict verdict, const Agreement& agreement, const AlignOptions& options);
 
-// The reference's mask as the frame has it.
+// A mask of the reference as the frame has it.
+Image<std::uint8_t> maskMoved(ImageView<const std::uint8_t> mask,
+                              const Motion& frame_from_reference, SizePx frame);
+// The reference's own.
 Image<std::uint8_t> maskInFrame(const PreparedPicture& reference, const Motion& motion,
                                 SizePx frame);
 

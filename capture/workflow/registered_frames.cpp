@@ -66,9 +66,13 @@ void RegisteredFrames::begin(const Image<float>& first) {
     for (std::size_t k = 0; k < markers.texels().size(); ++k)
       options.outside.texels()[k] |= markers.texels()[k];
   }
+  if (request_.deform) {
+    DeformationTrackOptions fields;
+    fields.specimen = options.outside;
+    for (std::uint8_t& mark : fields.specimen.texels()) mark = mark == 0 ? 255 : 0;
+    deformations_ = std::make_unique<DeformationTrack>(std::move(fields));
+  }
   track_ = std::make_unique<PoseTrack>(std::move(options));
-  if (request_.deform)
-    deformations_ = std::make_unique<DeformationTrack>(DeformationTrackOptions{});
   report_.seen_by_all = {0, 0, first.width(), first.height()};
 }
 
