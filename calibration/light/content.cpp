@@ -19,7 +19,7 @@ constexpr double kForgotten = 0.97;                      // of what is usual, wi
 constexpr double kPaceWeight = 0.6, kTrendWeight = 0.3;  // of the specimen's common pace
 constexpr double kSudden = 0.02;                         // beyond this a pace is a shock ...
 constexpr double kQuickening = 3;    // ... but for so many times what the last shot was off by
-constexpr double kOfTheTiles = 0.2;  // of the tiles' own usual change, their median may be off by
+constexpr double kOfTheTiles = 0.1;  // of the tiles' own usual change, their median may be off by
 constexpr double kOfTheLast = 0.3;   // ... and of what the last shot was off by, the next one
 constexpr float kMostSurprise = 4;   // deviations that one shot may add to a tile's own
 

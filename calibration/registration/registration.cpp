@@ -70,7 +70,7 @@ void askTheSpectrum(const PreparedPicture& frame, const PreparedPicture& referen
   out.agreement = agreementOf(reference, frame, found.frame_from_reference);
   // The spectrum's bound leaves out what the mosaic makes of specks, the blocks' error counts noise
   // that the spectrum passes over: in between.
-  out.agreement.uncertainty_px = std::hypot(found.uncertainty_px, before_px) / std::sqrt(2.0);
+  out.agreement.uncertainty_px = std::sqrt(2 * found.uncertainty_px * before_px);
 }
 
 Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& reference,

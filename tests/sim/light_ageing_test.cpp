@@ -2,7 +2,10 @@
 // The picture's vote on specimens that age as they do in the paper, and nothing else happens.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <functional>
 
 #include "capture/light_gate.h"
 #include "devices/twin/picture_maker.h"
@@ -12,6 +15,26 @@ namespace patina::testing {
 namespace {
 
 namespace twin = devices::twin;
+
+using Trouble = std::function<void(RawMosaic&, RectPx patch)>;
+
+// What a share of the light is missing from, by shares of the picture; never from the patch.
+Trouble shadow(double missing, double left, double right, double top, double low) {
+  return [=](RawMosaic& raw, RectPx patch) {
+    const int w = raw.samples.width(), h = raw.samples.height();
+    for (int y = static_cast<int>(top * h); y < static_cast<int>(low * h); ++y)
+      for (int x = static_cast<int>(left * w); x < static_cast<int>(right * w); ++x) {
+        constexpr int kBorderPx = 4;
+        if (x >= patch.x - kBorderPx && x < patch.x + patch.width + kBorderPx &&
+            y >= patch.y - kBorderPx && y < patch.y + patch.height + kBorderPx)
+          continue;
+        raw.samples.at(x, y) = static_cast<std::uint16_t>(
+            raw.black_level + (1 - missing) * (raw.samples.at(x, y) - raw.black_level) + 0.5);
+      }
+  };
+}
+
+Trouble shadowOverAFifth(double missing) { return shadow(missing, 0.6, 1, 0, 0.5); }
 
 struct Ageing {
   devices::RigSpec rig;
@@ -37,8 +60,8 @@ struct Ageing {
     options.duration = duration;
     return options;
   }
-  // Of a share of the process; a shadow lies over a fifth of it, the upper right.
-  capture::LightSample at(double share, int shot, double shadow) {
+  // Of a share of the process, with what a trouble makes of the picture.
+  capture::LightSample at(double share, int shot, const Trouble& trouble = {}) {
     twin::ShotLight light;
     light.begin =
         Nanoseconds(static_cast<std::int64_t>(share * static_cast<double>(duration.count())));
@@ -47,10 +70,7 @@ struct Ageing {
     light.temperature = Celsius{20};
     light.noise_key = 100 + static_cast<std::uint64_t>(shot);
     RawMosaic raw = maker.expose(light);
-    for (int y = 0; y < raw.samples.height() / 2; ++y)
-      for (int x = raw.samples.width() * 3 / 5; x < raw.samples.width(); ++x)
-        raw.samples.at(x, y) = static_cast<std::uint16_t>(
-            raw.black_level + (1 - shadow) * (raw.samples.at(x, y) - raw.black_level));
+    if (trouble) trouble(raw, maker.layout().patch_px);
     const RectPx patch = maker.layout().patch_px;
     capture::LightSample sample;
     sample.light_state = "key";
@@ -77,10 +97,42 @@ TEST_P(LightOfAnAgeing, SpecimenIsNeverTakenForAShadowOrAVisitor) {
   Ageing ageing(GetParam());
   capture::LightGate gate({}, {}, "run");
   for (int k = 0; k < shots(); ++k) {
-    const capture::GateVerdict v = gate.judge(ageing.at(static_cast<double>(k) / shots(), k, 0));
+    const capture::GateVerdict v = gate.judge(ageing.at(static_cast<double>(k) / shots(), k));
     EXPECT_EQ(v.reason, "") << "picture " << k;
     EXPECT_EQ(v.changed, "") << "picture " << k;
   }
+}
+
+// The gate is asked as it stands, again and again on its way, and forgets the answer.
+TEST_P(LightOfAnAgeing, SpecimenDoesNotHideAShadowThatThePatchDoesNotSee) {
+  constexpr int kShots = 240, kFirst = 24, kEvery = 12;
+  const struct {
+    const char* name;
+    Trouble trouble;
+  } troubles[] = {{"5 % missing everywhere", shadow(0.05, 0, 1, 0, 1)},
+                  {"10 % missing on a fifth", shadowOverAFifth(0.1)},
+                  {"30 % missing on a fifth", shadowOverAFifth(0.3)},
+                  {"a hand", shadow(0.7, 0.4, 0.8, 0.1, 0.6)}};
+  Ageing ageing(GetParam());
+  capture::LightGate gate({}, {}, "run");
+  std::array<int, 4> told{};
+  int asked = 0;
+  for (int k = 0; k < kShots; ++k) {
+    const double share = static_cast<double>(k) / kShots;
+    if (k >= kFirst && k % kEvery == 0) {
+      ++asked;
+      for (std::size_t i = 0; i < told.size(); ++i) {
+        capture::LightGate as_it_stands = gate;
+        const auto v = as_it_stands.judge(ageing.at(share, k, troubles[i].trouble));
+        if (!v.reason.empty()) ++told[i];
+      }
+    }
+    gate.judge(ageing.at(share, k));
+  }
+  std::printf("%s, of %d:", GetParam(), asked);
+  for (std::size_t i = 0; i < told.size(); ++i) std::printf(" %s: %d;", troubles[i].name, told[i]);
+  std::printf("\n");
+  EXPECT_GE(told[0], 17) << "of " << asked;
 }
 
 INSTANTIATE_TEST_SUITE_P(Paper, LightOfAnAgeing,
@@ -92,11 +144,11 @@ INSTANTIATE_TEST_SUITE_P(Paper, LightOfAnAgeing,
 TEST(LightOfAnAgeingSpecimen, ShadowOverAFifthOfItIsToldAtOnce) {
   Ageing ageing("banana_ripening");
   capture::LightGate gate({}, {}, "run");
-  const auto shot = [&](int k, double shadow) {  // every ten minutes of a week
-    return gate.judge(ageing.at(k / 1008.0, k, shadow)).reason;
+  const auto shot = [&](int k, const Trouble& trouble) {  // every ten minutes of a week
+    return gate.judge(ageing.at(k / 1008.0, k, trouble)).reason;
   };
-  for (int k = 0; k < 20; ++k) EXPECT_EQ(shot(k, 0), "") << k;
-  EXPECT_NE(shot(20, 0.2).find("of it changed by"), std::string::npos);
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(shot(k, {}), "") << k;
+  EXPECT_NE(shot(20, shadowOverAFifth(0.2)).find("of it changed by"), std::string::npos);
 }
 
 }  // namespace
