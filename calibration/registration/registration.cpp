@@ -19,6 +19,8 @@ constexpr double kSolvedAgain = 0.02;  // share of blocks that disagree from whi
 constexpr double kLeastZncc = 0.3;
 constexpr double kNearlyBlank_px = 0.05;  // standard error from which the spectrum is asked
 constexpr double kSigmas = 4;
+constexpr double kBetween =
+    1.3;  // 1.2 of what is found on fresh copper, 0.7 of that on fresh steel
 // The spectrum must promise clearly more.
 constexpr double kPromise = 0.6;
 constexpr double kLeastBlocks = 3.5;  // of a small picture, one or two mean nothing
@@ -70,7 +72,7 @@ void askTheSpectrum(const PreparedPicture& frame, const PreparedPicture& referen
   out.agreement = agreementOf(reference, frame, found.frame_from_reference);
   // The spectrum's bound leaves out what the mosaic makes of specks, the blocks' error counts noise
   // that the spectrum passes over: in between.
-  out.agreement.uncertainty_px = std::sqrt(2 * found.uncertainty_px * before_px);
+  out.agreement.uncertainty_px = kBetween * std::sqrt(found.uncertainty_px * before_px);
 }
 
 Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& reference,

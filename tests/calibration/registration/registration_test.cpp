@@ -148,8 +148,8 @@ int fromEnvironment(const char* name, int otherwise) {
 // itself, twice that is granted. What there is to see of fresh steel in a small picture are a few
 // specks, finer than the mosaic that samples them: without any noise they are placed no better.
 double limitPx(const ShiftErrors& found, double bound_px, int shifts, bool few_specks) {
-  const double by_noise = 1.15 * bound_px * (1 + 1 / std::sqrt(static_cast<double>(shifts)));
-  return std::max({0.05, by_noise, few_specks ? 1.15 * found.noiseless_px : 0});
+  const double by_chance = 1.15 * (1 + 1 / std::sqrt(static_cast<double>(shifts)));
+  return std::max({0.05, by_chance * bound_px, few_specks ? by_chance * found.noiseless_px : 0});
 }
 
 // PATINA_SHIFTS of each specimen and age, in pictures of PATINA_SHIFT_SIDE pixels, print the whole
@@ -174,8 +174,9 @@ TEST(Registration, FindsRandomShiftsToATwentiethOfAPixelWhereverTheSurfaceShowsE
       std::fflush(stdout);
       const bool few_specks = std::string(specimen) == "steel_rusting" && time < 0.2;
       EXPECT_LE(found.own_px, limitPx(found, bound, shifts, few_specks)) << specimen << ' ' << time;
-      if (shifts >= 8 && found.own_px > 0.05) {
-        EXPECT_NEAR(found.expected_px, found.own_px, 0.5 * found.own_px) << specimen << ' ' << time;
+      if (shifts >= 8 && side < 1000 && found.own_px > 0.05) {
+        EXPECT_LE(found.expected_px, 1.5 * found.own_px) << specimen << ' ' << time;
+        EXPECT_GE(found.expected_px, found.own_px / 1.5) << specimen << ' ' << time;
       }
       EXPECT_LE(found.by_card_px, 0.05) << specimen << ' ' << time;
     }
@@ -191,7 +192,8 @@ TEST(Registration, ComesNearWhatNoiseAllowsOnFreshCopper) {
   std::printf("fresh copper: bound %.4f px, expected %.3f px, found %.3f px RMS\n", bound,
               found.expected_px, found.own_px);
   EXPECT_LE(found.own_px, limitPx(found, bound, kPairs, false));
-  EXPECT_NEAR(found.expected_px, found.own_px, 0.5 * found.own_px);
+  EXPECT_LE(found.expected_px, 1.5 * found.own_px);
+  EXPECT_GE(found.expected_px, found.own_px / 1.5);
 }
 
 TEST(Registration, FindsAShiftOfAThirdOfThePictureByItself) {
