@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -28,8 +29,8 @@ Trouble shadow(double missing, double left, double right, double top, double low
         if (x >= patch.x - kBorderPx && x < patch.x + patch.width + kBorderPx &&
             y >= patch.y - kBorderPx && y < patch.y + patch.height + kBorderPx)
           continue;
-        raw.samples.at(x, y) = static_cast<std::uint16_t>(
-            raw.black_level + (1 - missing) * (raw.samples.at(x, y) - raw.black_level) + 0.5);
+        raw.samples.at(x, y) = static_cast<std::uint16_t>(std::lround(
+            raw.black_level + (1 - missing) * (raw.samples.at(x, y) - raw.black_level)));
       }
   };
 }
