@@ -55,7 +55,7 @@ double middleOf(const std::vector<Measured>& all, std::size_t channel) {
   std::vector<double> levels;
   for (const Measured& one : all) levels.push_back(one.level[channel]);
   std::ranges::sort(levels);
-  const auto quarter = static_cast<std::ptrdiff_t>((levels.size() - 1) / 4);
+  const auto quarter = static_cast<std::ptrdiff_t>((levels.size() + 1) / 4);
   return std::accumulate(levels.begin() + quarter, levels.end() - quarter, 0.0) /
          static_cast<double>(levels.size() - 2 * static_cast<std::size_t>(quarter));
 }

@@ -99,7 +99,7 @@ class Loop {
 // As the gains take it: the mean of the middle half.
 double middleOf(std::vector<double> values) {
   std::ranges::sort(values);
-  const auto quarter = static_cast<std::ptrdiff_t>((values.size() - 1) / 4);
+  const auto quarter = static_cast<std::ptrdiff_t>((values.size() + 1) / 4);
   return std::accumulate(values.begin() + quarter, values.end() - quarter, 0.0) /
          static_cast<double>(values.size() - 2 * static_cast<std::size_t>(quarter));
 }
