@@ -22,7 +22,7 @@ constexpr double kNearness = 0.4;
 constexpr int kNearnessSidePx = 64;
 
 // Most of the time goes into the two finest levels, most of the gain comes from their first rounds.
-constexpr int kQuickFinestRounds = 1, kQuickNextRounds = 2;
+constexpr int kQuickFinestRounds = 1, kQuickNextRounds = 2, kQuickCoarseRounds = 6;
 
 [[noreturn]] void refuse(const std::string& what) { throw ProcessingError(Exit::kUsage, what); }
 
@@ -47,8 +47,9 @@ int levelsFor(SizePx source, const OptimizeOptions& options, const Constraints& 
 }
 
 int roundsOn(int level, const OptimizeOptions& options) {
-  if (options.effort == Effort::kFull || level > 1) return options.rounds;
-  return std::min(options.rounds, level == 0 ? kQuickFinestRounds : kQuickNextRounds);
+  if (options.effort == Effort::kFull) return options.rounds;
+  constexpr int kQuick[] = {kQuickFinestRounds, kQuickNextRounds, kQuickCoarseRounds};
+  return std::min(options.rounds, kQuick[std::min(level, 2)]);
 }
 
 void checkGuides(SizePx source, const OptimizeOptions& options, const Constraints& constraints) {

@@ -21,7 +21,7 @@ namespace patina::texture_optimization {
 
 enum class Effort {
   kFull,
-  kQuick,  // one round on the finest level, with no index of its own there, and 2 on the next: 3 to
+  kQuick,  // 1 round on the finest level, with no index of its own there, 2 on the next, then 6: 3 to
            // 12 % more energy in half the time
 };
 
