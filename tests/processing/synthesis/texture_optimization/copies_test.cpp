@@ -10,6 +10,10 @@ namespace {
 
 constexpr int kSource = 64, kResult = 128;
 
+std::size_t indexOf(int x, int y) {
+  return static_cast<std::size_t>(y) * kResult + static_cast<std::size_t>(x);
+}
+
 // Two whole copies of the sample in the upper half, the second `shift` texels to the right of the
 // first; what neither covers shows one place again and again, never a whole cell of it.
 OptimizedField twoCopies(int shift) {
@@ -41,8 +45,7 @@ TEST(CopiesApart, IsTheDistanceOfTwoCopiesOverTheSamplesSide) {
 TEST(CopiesApart, IsNothingWhereNothingIsShownTwice) {
   OptimizedField field = twoCopies(64);
   for (int y = 0; y < kResult; ++y)
-    for (int x = 64; x < kResult; ++x)
-      field.centres[static_cast<std::size_t>(y * kResult + x)] = 2 * kSource + 2;
+    for (int x = 64; x < kResult; ++x) field.centres[indexOf(x, y)] = 2 * kSource + 2;
   const CopiesApart apart = copiesApart(field);
   EXPECT_EQ(apart.shown_again, 0);
   EXPECT_EQ(apart.least, 0);
@@ -56,8 +59,7 @@ TEST(CopiesApart, GoesAroundWhereTheResultWraps) {
     // The second copy moved to the right end: 80 texels off, 48 the other way around.
     for (int y = 0; y < kSource; ++y)
       for (int x = 64; x < kResult; ++x)
-        field.centres[static_cast<std::size_t>(y * kResult + x)] =
-            x < 80 ? 2 * kSource + 2 : y * kSource + x - 80;
+        field.centres[indexOf(x, y)] = x < 80 ? 2 * kSource + 2 : y * kSource + x - 80;
     EXPECT_DOUBLE_EQ(copiesApart(field).median, wraps ? 0.75 : 1.25);
   }
 }
