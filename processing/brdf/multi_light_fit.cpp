@@ -338,6 +338,7 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   checkSamples(samples, options, before);
   MultiLightOptions first = options;
   if (options.model == Model::kWardAnisotropic) first.model = Model::kWard;
+  if (options.model == Model::kTorranceSparrow) first.specular_spread = 1;
   Fitter fitter(samples, first);
   fitter.firstPass(progress);
   if (options.model != Model::kLambert) holdToNeighbours(fitter, before, first, progress);

@@ -49,11 +49,12 @@ struct MultiLightOptions {
   float mm_per_texel = 1;     // for near lights
   int rounds = 3;             // of weights, 1 to 10
   int steps = 4;              // of Levenberg and Marquardt a round, 1 to 50
-  bool neighbours = true;     // the second pass
+  bool neighbours = true;     // false: after the first pass a texel asks itself and `before` alone
   int neighbour_px = 16;      // how far it looks, 1 to 64
   float like_colour = 0.06f;  // difference of diffuse colour that still counts as like
   // How far specular reflectance is expected from 0.04, a dielectric's: what decides where a wide
-  // lobe and the diffuse part are one within the noise. Lamps that tell overrule it. (0,1]
+  // lobe and the diffuse part are one within the noise. Lamps that tell overrule it. (0,1]; not of
+  // Torrance and Sparrow's model, whose strength is no reflectance.
   float specular_spread = 0.02f;
   void check() const;  // throws ProcessingError(kUsage)
 };

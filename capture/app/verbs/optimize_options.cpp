@@ -60,7 +60,7 @@ void addOptimizeOptions(Verb& verb, OptimizeArguments& into) {
       .option("--search", into.search, "coherent|patchmatch",
               "How patches are found (default: coherent; PatchMatch is patented)")
       .option("--effort", into.effort, "quick|full",
-              "Quick: few rounds on the two finest levels (default: full; of a picture: quick)")
+              "Quick: fewer rounds, one on the finest level (default: full; of a picture: quick)")
       .option("--rounds", into.optimize.rounds, 1, 1000, "Of search and vote, a level (default: 8)")
       .option("--passes", into.optimize.passes, 1, 1000, "Of search, a round (default: 2)")
       .option("--components", into.optimize.components, 8, 16,
