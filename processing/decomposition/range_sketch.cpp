@@ -17,6 +17,9 @@ namespace patina::decomposition {
 namespace {
 
 constexpr double kRounding = 1e-11;  // of squares, where scores are floats
+// Texels that teach how T hangs on Y: at least so many, or that share where there are more.
+constexpr Index kTaught = 1 << 16, kTaughtShare = 8;
+constexpr Index kGramTexels = 4096;  // at a time
 
 // [columns][n] of [n][columns].
 std::vector<float> byColumn(std::span<const float> rows, Index n) {
@@ -46,6 +49,28 @@ std::vector<double> eigenvalues(std::vector<double>& matrix, Index size) {
 
 Index panelsOf(Index count) { return (count + kPanelTexels - 1) / kPanelTexels; }
 
+// [0, m) in parts of `length`, the last perhaps shorter.
+std::vector<Range> rangesOf(Index m, Index length) {
+  std::vector<Range> ranges;
+  for (Index first = 0; first < m; first += length)
+    ranges.push_back({first, std::min(length, m - first)});
+  return ranges;
+}
+
+// g^+ h [l][l] of two symmetric matrices (their lower triangles).
+std::vector<double> solved(std::vector<double> g, const std::vector<double>& h, Index l) {
+  const std::vector<double> size = eigenvalues(g, l);  // rows of `g` are eigenvectors, rising
+  std::vector<double> turned(g.size()), inverse(g.size()), full(h), out(g.size());
+  for (Index k = 0; k < l; ++k)
+    if (size[k] > kRounding * size[l - 1])
+      for (Index i = 0; i < l; ++i) turned[i * l + k] = g[k * l + i] / size[k];
+  multiply(turned, g, l, l, l, inverse);
+  for (Index i = 0; i < l; ++i)
+    for (Index j = 0; j < i; ++j) full[j * l + i] = full[i * l + j];
+  multiply(inverse, full, l, l, l, out);
+  return out;
+}
+
 }  // namespace
 
 std::vector<float> randomColumns(Index n, Index columns) {
@@ -63,37 +88,66 @@ RangeSketch::RangeSketch(Index m, Index n, std::vector<float> omega)
       omega_(std::move(omega)),
       scores_(m, columns_) {}
 
+// By chance, so that no pattern of the texture agrees with it.
+bool RangeSketch::teaches(Index first) const {
+  if (!isSampled()) return true;
+  const auto share = static_cast<double>(std::max(kTaught, m_ / kTaughtShare));
+  return uniform(hashSeed(0x7465616368, first)) * static_cast<double>(m_) < share;
+}
+bool RangeSketch::isSampled() const { return m_ > kTaught; }
+
 void RangeSketch::add(Index first, const SampleBlock& block) {
   scores_.add(first, block, n_, omega_);
   const Index panels = panelsOf(block.count);
   while (static_cast<Index>(sums_.size()) < panels)
-    sums_.emplace_back(static_cast<std::size_t>(n_ * columns_));
+    sums_.push_back({std::vector<double>(static_cast<std::size_t>(n_ * columns_)),
+                     std::vector<double>(static_cast<std::size_t>(n_))});
+  std::vector<Index> teachers;
+  for (Index p = 0; p < panels; ++p)
+    if (teaches(first + p * kPanelTexels)) teachers.push_back(p);
+  for (Index p : teachers)
+    taught_.push_back(
+        {first + p * kPanelTexels, std::min(kPanelTexels, block.count - p * kPanelTexels)});
   tbb::enumerable_thread_specific<std::vector<float>> rooms(
       [&] { return std::vector<float>(static_cast<std::size_t>(n_ * columns_)); });
-  tbb::parallel_for(Index{0}, panels, [&](Index p) {
-    const Index at = p * kPanelTexels, count = std::min(kPanelTexels, block.count - at);
+  const std::vector<float> ones(kPanelTexels, 1.0f);
+  tbb::parallel_for(std::size_t{0}, teachers.size(), [&](std::size_t i) {
+    const Index p = teachers[i], at = p * kPanelTexels,
+                count = std::min(kPanelTexels, block.count - at);
     std::vector<float>& product = rooms.local();
     cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, n_, columns_, count, 1.0f, block.data + at,
                 block.stride, scores_.from(first + at), scores_.stride(), 0.0f, product.data(),
                 columns_);
-    std::vector<double>& sum = sums_[p];
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += product[i];
+    std::vector<double>&products = sums_[p].products, &samples = sums_[p].samples;
+    for (std::size_t k = 0; k < products.size(); ++k) products[k] += product[k];
+    cblas_sgemv(CblasRowMajor, CblasNoTrans, n_, count, 1.0f, block.data + at, block.stride,
+                ones.data(), 1, 0.0f, product.data(), 1);
+    for (std::size_t j = 0; j < samples.size(); ++j) samples[j] += product[j];
   });
 }
 
-// W (T - 1 mean^t)^t (T - 1 mean^t) Omega.
+// W (T - 1 mean^t)^t (T - 1 mean^t) Omega over the texels that teach.
 std::vector<double> RangeSketch::product(std::span<const double> mean,
                                          std::span<const double> offset,
                                          std::span<const float> weight) const {
-  std::vector<double> z = sums_.front();
-  for (std::size_t p = 1; p < sums_.size(); ++p)
-    for (std::size_t i = 0; i < z.size(); ++i) z[i] += sums_[p][i];
+  Sums all = sums_.front();
+  for (std::size_t p = 1; p < sums_.size(); ++p) {
+    for (std::size_t i = 0; i < all.products.size(); ++i) all.products[i] += sums_[p].products[i];
+    for (std::size_t j = 0; j < all.samples.size(); ++j) all.samples[j] += sums_[p].samples[j];
+  }
+  Index count = 0;
+  for (const Range& range : taught_) count += range.count;
+  std::vector<double>&z = all.products, scores(static_cast<std::size_t>(columns_));
   for (Index j = 0; j < n_; ++j)
+    for (Index k = 0; k < columns_; ++k) scores[k] += all.samples[j] * omega_[j * columns_ + k];
+  for (Index j = 0; j < n_; ++j) {
+    const double off = all.samples[j] - static_cast<double>(count) * mean[j];
     for (Index k = 0; k < columns_; ++k) {
       double& v = z[j * columns_ + k];
-      v = (v - static_cast<double>(m_) * mean[j] * offset[k]) * weight[j];
+      v = (v - mean[j] * scores[k] - off * offset[k]) * weight[j];
     }
-  return z;
+  }
+  return std::move(z);
 }
 
 RangeSketch::Factors RangeSketch::factors(std::span<const double> mean,
@@ -104,10 +158,13 @@ RangeSketch::Factors RangeSketch::factors(std::span<const double> mean,
   for (Index j = 0; j < n_; ++j)
     for (Index k = 0; k < l; ++k) offset[k] += mean[j] * omega_[j * l + k];
   scores_.subtract(offset);
-  std::vector<double> gram = scores_.gram();
+  std::vector<double> gram = scores_.gram(rangesOf(m_, kGramTexels));
   Factors out{{}, {}, std::vector<double>(square), ritzValues(gram, weight)};
   // Y E D^-1/2 is orthonormal where Y^t Y = E D E^t; B = D^-1/2 E^t Z^t is T on it.
-  const std::vector<double> size = eigenvalues(gram, l), z = product(mean, offset, weight);
+  std::vector<double> z = product(mean, offset, weight);
+  if (isSampled())  // as if of all
+    multiply(std::vector<double>(z), solved(scores_.gram(taught_), gram, l), n_, l, l, z);
+  const std::vector<double> size = eigenvalues(gram, l);
   std::vector<double> whiten(square), b(static_cast<std::size_t>(n_ * l)), energy(square);
   for (Index k = 0; k < l; ++k)  // rows of `gram` are eigenvectors, rising
     if (size[k] > kRounding * size[l - 1])
@@ -165,12 +222,10 @@ void Scores::subtract(std::span<const double> offset) {
   });
 }
 
-std::vector<double> Scores::gram() const {
-  constexpr Index kRows = 4096;
-  const Index parts = (m_ + kRows - 1) / kRows;
-  std::vector<std::vector<double>> sums(static_cast<std::size_t>(parts));
-  tbb::parallel_for(Index{0}, parts, [&](Index part) {
-    const Index first = part * kRows, count = std::min(kRows, m_ - first);
+std::vector<double> Scores::gram(std::span<const Range> of) const {
+  std::vector<std::vector<double>> sums(of.size());
+  tbb::parallel_for(std::size_t{0}, of.size(), [&](std::size_t part) {
+    const auto [first, count] = of[part];
     std::vector<double> rows;
     rows.reserve(static_cast<std::size_t>(l_ * count));
     for (Index k = 0; k < l_; ++k)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Y = T Omega and Z = T^t Y in one pass: T projected on the range of Y is Y (Y^t Y)^-1 Z^t, whose
-// singular value decomposition costs little. Inside this room only.
+// singular value decomposition costs little. Of many texels Z and its Y^t Y are of some, spread by
+// chance: they say as well how T hangs on Y. Inside this room only.
 #pragma once
 
 #include <span>
@@ -13,13 +14,18 @@ namespace patina::decomposition {
 // [n][columns], normally distributed.
 std::vector<float> randomColumns(Index n, Index columns);
 
+struct Range {
+  Index first, count;  // texels
+};
+
 // Of all texels on some vectors [n][l], less an offset [l].
 class Scores {
  public:
   Scores(Index m, Index l) : m_(m), l_(l), values_(static_cast<std::size_t>(m * l)) {}
   void add(Index first, const SampleBlock& block, Index n, std::span<const float> vectors);
   void subtract(std::span<const double> offset);
-  std::vector<double> gram() const;  // S^t S [l][l], lower triangle
+  // S^t S [l][l] of some texels, lower triangle; summed in the order of the ranges.
+  std::vector<double> gram(std::span<const Range> of) const;
   // S R [m][k], R [l][k], k <= l.
   std::vector<float> rotated(std::span<const float> rotation, Index k) const;
   std::vector<float> byTexel() const;  // [m][l]
@@ -50,6 +56,11 @@ class RangeSketch {
   const Scores& scores() const { return scores_; }
 
  private:
+  struct Sums {
+    std::vector<double> products, samples;  // [n][columns] of Z, [n] of T's rows
+  };
+  bool isSampled() const;
+  bool teaches(Index first) const;  // the panel that begins there
   std::vector<double> product(std::span<const double> mean, std::span<const double> offset,
                               std::span<const float> weight) const;
   // Against Omega^t W^-2 Omega; zeros where Omega's columns hang together.
@@ -58,7 +69,8 @@ class RangeSketch {
   Index m_, n_, columns_;
   std::vector<float> omega_;
   Scores scores_;
-  std::vector<std::vector<double>> sums_;  // by panel of a block: [n][columns]
+  std::vector<Range> taught_;  // panels that Z is of
+  std::vector<Sums> sums_;     // by panel of a block
 };
 
 }  // namespace patina::decomposition

@@ -22,7 +22,6 @@ constexpr Index kColumnUnit = 8;          // what BLAS multiplies at once
 constexpr Index kUnlearned = 4;           // columns that stay random, in case a start misleads
 constexpr int kLearning = 2;              // iterations on the first block
 constexpr int kRounds = 4;                // at most, a pass each
-constexpr double kCertain = 1e-4;         // error of singular values, of the first
 constexpr Index kGramColumns = 4;         // times as many as are sought: the exact way costs less
 
 // Calls use(first, block) over all texels, once a pass.
@@ -193,7 +192,7 @@ class Decomposition {
   void bySketch(const Pass& again) {
     for (int round = 1;; ++round) {
       const RangeSketch::Factors factors = sketch_->factors(offset_, svd_.weight);
-      if (round == kRounds || errorOf(factors) <= kCertain) return settle(factors);
+      if (round == kRounds || errorOf(factors) <= options_.certain) return settle(factors);
       sketch_.emplace(m_, n_, unweighed(factors.basis, svd_.weight));
       again([&](Index first, const SampleBlock& block) { sketch_->add(first, block); });
     }
@@ -294,7 +293,8 @@ TemporalSvd decompose(Index m, Index n, const SvdOptions& options, Progress& pro
   options.check(m, n);
   // One thread inside BLAS, many around it: otherwise sums are cut by the number of threads.
   openblas_set_num_threads(1);
-  const Index block = std::max<Index>(1, std::min({options.block_texels, kBlockFloats / n, m}));
+  Index block = std::max<Index>(1, std::min({options.block_texels, kBlockFloats / n, m}));
+  if (block > kPanelTexels) block -= block % kPanelTexels;  // whole ones are quicker
   const auto pass = [&](const char* stage) -> Pass {
     return [&, stage](const UseBlock& use) {
       progress.begin(stage, m);
@@ -322,6 +322,7 @@ void SvdOptions::check(std::int64_t m, std::int64_t n) const {
     refuse("rank is " + std::to_string(rank) + "; allowed: 1 to " + std::to_string(std::min(m, n)));
   if (!(rank_error >= 0 && rank_error < 1))
     refuse("rank_error is " + std::to_string(rank_error) + "; allowed: 0 to below 1");
+  if (!(certain > 0)) refuse("certain is " + std::to_string(certain) + "; allowed: above 0");
   if (block_texels < 1)
     refuse("block_texels is " + std::to_string(block_texels) + "; allowed: at least 1");
 }

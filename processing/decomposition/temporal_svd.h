@@ -31,6 +31,8 @@ using Weigh = std::function<std::vector<float>(std::span<const double> mean,
 struct SvdOptions {
   int rank = 15;          // at most min(m, n)
   double rank_error = 0;  // > 0: the least rank whose relative RMS error is below it, up to rank
+  double certain = 1e-4;  // of the first singular value: where n is large and others may be off by
+                          // more, there is another pass
   std::int64_t block_texels = 4096;  // at most; fewer where n is large (64 MiB of samples)
   bool centre = false;               // subtract the mean row first
   Weigh weigh = {};                  // nothing: 1 everywhere
@@ -40,7 +42,7 @@ struct TemporalSvd {
   int rank = 0;
   std::vector<float> scores;  // [m][rank]: rows of U, weighted by the singular values
   // Falling: all n, or where n is large the leading rank + 16 or a few more, those up to `rank`
-  // within 1e-4 of the first.
+  // within `certain` of the first.
   std::vector<double> singular_values;
   std::vector<float> basis;         // [n][rank]: V; each column's largest entry is positive. Zeros
                                     // where a singular value is 0 and n large

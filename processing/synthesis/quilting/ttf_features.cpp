@@ -15,8 +15,10 @@ namespace patina::quilting {
 namespace {
 
 constexpr int kTileTexels = 128;                // a TTF's chunk
+constexpr int kRowsApart = 8;                   // that come side by side
 constexpr std::int64_t kTileBytes = 128 << 20;  // of all frames of a tile
 constexpr double kContrastFloor = 0.2;          // of the strongest frame's
+constexpr double kCertain = 1e-3;  // of singular values: what is beyond tells no blocks apart
 
 // One over each frame's contrast: a seam is seen against what else the frame shows, so a faint
 // early frame counts as much as a strong late one. Frames without contrast are held down (noise).
@@ -69,8 +71,9 @@ class Tiles {
         tiles_.push_back(
             {x, y, std::min(kTileTexels, info.width - x), std::min(rows, info.height - y)});
     for (const RectPx& tile : tiles_)
-      for (int y = tile.y; y < tile.y + tile.height; ++y)
-        for (int x = tile.x; x < tile.x + tile.width; ++x) texels_.push_back(y * info.width + x);
+      for (int y : rowsOf(tile))
+        for (int x = 0; x < tile.width; ++x)
+          texels_.push_back((tile.y + y) * info.width + tile.x + x);
   }
 
   // Texel i of T is this texel of the image.
@@ -111,6 +114,8 @@ class Tiles {
     } else {
       read(tile, samples_);
     }
+    rows_ = rowsOf(tile);
+    tile_width_ = tile.width;
     tile_first_ += tile_count_;
     tile_count_ = static_cast<std::int64_t>(tile.width) * tile.height;
     if (next_tile_ < tiles_.size())
@@ -124,14 +129,28 @@ class Tiles {
     else
       spread(samples_.linear, first, count, block, stride);
   }
-  // Samples [t][texel][c] to rows [t][c][texel].
+  // Rows of a tile, far ones side by side: what is learned from the first texels, which may be
+  // few, is then of the whole tile.
+  static std::vector<int> rowsOf(const RectPx& tile) {
+    std::vector<int> rows;
+    for (int first = 0; first < kRowsApart; ++first)
+      for (int y = first; y < tile.height; y += kRowsApart) rows.push_back(y);
+    return rows;
+  }
+
+  // Samples [t][y][x][c] to rows [t][c][texel].
   template <class T>
   void spread(const std::vector<T>& samples, std::int64_t first, std::int64_t count, float* block,
               std::int64_t stride) const {
     const int channels = source_.info().channels;
-    tbb::parallel_for(0, source_.info().frames, [&](int t) {
-      spreadRow(samples.data() + (t * tile_count_ + first) * channels, count, channels,
-                display_.data(), block + static_cast<std::int64_t>(t) * channels * stride, stride);
+    tbb::parallel_for(std::int64_t{0}, std::int64_t{source_.info().frames}, [&](std::int64_t t) {
+      for (std::int64_t done = 0; done < count;) {
+        const std::int64_t y = (first + done) / tile_width_, x = (first + done) % tile_width_,
+                           here = std::min(count - done, tile_width_ - x);
+        spreadRow(samples.data() + (t * tile_count_ + rows_[y] * tile_width_ + x) * channels, here,
+                  channels, display_.data(), block + t * channels * stride + done, stride);
+        done += here;
+      }
     });
   }
 
@@ -141,7 +160,8 @@ class Tiles {
   std::vector<std::int32_t> texels_;
   Samples samples_, coming_;
   std::size_t next_tile_ = 0;
-  std::int64_t tile_first_ = 0, tile_count_ = 0;
+  std::vector<int> rows_;  // of the tile, in the order of its texels
+  std::int64_t tile_first_ = 0, tile_count_ = 0, tile_width_ = 0;
   std::future<void> next_;  // fills coming_; last, so that it ends before what it fills
 };
 
@@ -259,6 +279,7 @@ TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
   decomposition::SvdOptions options;
   options.rank = static_cast<int>(std::min<std::int64_t>(rank_max, std::min(m, n)));
   options.rank_error = rank_error.value_or(0);
+  options.certain = kCertain;
   options.centre = true;  // distances are the same, and no rank is spent on the mean picture
   options.weigh = [&](std::span<const double>, std::span<const double> variance) {
     result.weight = frameWeights(variance, info.channels);
@@ -295,6 +316,7 @@ TtfFeatures ttfFeaturesApart(const QuiltingSource& source, int rank_max,
   options.rank = static_cast<int>(std::min<std::int64_t>(std::max(1, rank_max / info.channels),
                                                          std::min<std::int64_t>(m, info.frames)));
   options.rank_error = rank_error.value_or(0);
+  options.certain = kCertain;
   options.centre = true;
   options.weigh = [&](std::span<const double>, std::span<const double>) { return result.weight; };
   std::vector<decomposition::TemporalSvd> of_channel;
