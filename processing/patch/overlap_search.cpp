@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "processing/patch/squared_difference.h"
 
 namespace patina::patch {
 namespace {
@@ -22,33 +23,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Rounding of a correlation by float FFT, relative to the product of the planes' norms. FFTW's
 // error is about 2e-7 for any length; a factor of 5 is left.
 constexpr double kRounding = 1e-6;
-
-// Eight at a time in four sums, so that any machine adds in the same order.
-using Lanes [[gnu::vector_size(32)]] = float;
-
-[[gnu::always_inline]] inline void addEight(const float* a, const float* b, Lanes& sum) {
-  Lanes u, v;
-  std::memcpy(&u, a, sizeof u);
-  std::memcpy(&v, b, sizeof v);
-  sum += (u - v) * (u - v);
-}
-
-[[gnu::always_inline]] inline float squaredDifferenceInLanes(const float* a, const float* b,
-                                                             int count) {
-  Lanes s0{}, s1{}, s2{}, s3{};
-  int i = 0;
-  for (; i + 32 <= count; i += 32) {
-    addEight(a + i, b + i, s0);
-    addEight(a + i + 8, b + i + 8, s1);
-    addEight(a + i + 16, b + i + 16, s2);
-    addEight(a + i + 24, b + i + 24, s3);
-  }
-  for (; i + 8 <= count; i += 8) addEight(a + i, b + i, s0);
-  float rest = 0;
-  for (; i < count; ++i) rest += (a[i] - b[i]) * (a[i] - b[i]);
-  const Lanes s = (s0 + s1) + (s2 + s3);
-  return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])) + rest;
-}
 
 // bounds[x] = weight[x] * (floor + max(0, correlation[x] + energy[x] + constant)); the least of
 // them. No weights: 1.
@@ -74,27 +48,27 @@ struct BoundRow {
   return *std::min_element(least, least + kLanes);
 }
 
-using SquaredDifference = float (*)(const float*, const float*, int);
+using DifferenceOfRows = float (*)(const float*, const float*, int);
 using Bounds = float (*)(const BoundRow&, int, float*);
-float squaredDifferencePlain(const float* a, const float* b, int count) {
-  return squaredDifferenceInLanes(a, b, count);
+float differencePlain(const float* a, const float* b, int count) {
+  return squaredDifference(a, b, count);
 }
 float boundsPlain(const BoundRow& in, int count, float* bounds) {
   return boundsInLanes(in, count, bounds);
 }
 #if defined(__x86_64__)
 // The same additions, eight at a time.
-[[gnu::target("avx2")]] float squaredDifferenceAvx2(const float* a, const float* b, int count) {
-  return squaredDifferenceInLanes(a, b, count);
+[[gnu::target("avx2")]] float differenceAvx2(const float* a, const float* b, int count) {
+  return squaredDifference(a, b, count);
 }
 [[gnu::target("avx2")]] float boundsAvx2(const BoundRow& in, int count, float* bounds) {
   return boundsInLanes(in, count, bounds);
 }
-const SquaredDifference squaredDifference =
-    __builtin_cpu_supports("avx2") ? squaredDifferenceAvx2 : squaredDifferencePlain;
+const DifferenceOfRows differenceOfRows =
+    __builtin_cpu_supports("avx2") ? differenceAvx2 : differencePlain;
 const Bounds boundsOfRow = __builtin_cpu_supports("avx2") ? boundsAvx2 : boundsPlain;
 #else
-const SquaredDifference squaredDifference = squaredDifferencePlain;
+const DifferenceOfRows differenceOfRows = differencePlain;
 const Bounds boundsOfRow = boundsPlain;
 #endif
 
@@ -241,8 +215,8 @@ double OverlapSearch::distanceUpTo(ImageView<const float> target, std::span<cons
   double sum = 0;
   for (const Run& run : runs) {
     if (sum > limit) break;
-    sum += squaredDifference(&features_.at(x + run.first, y + run.y), &target.at(run.first, run.y),
-                             (run.end - run.first) * features_.channels);
+    sum += differenceOfRows(&features_.at(x + run.first, y + run.y), &target.at(run.first, run.y),
+                            (run.end - run.first) * features_.channels);
   }
   return sum;
 }

@@ -4,11 +4,7 @@
 #include <algorithm>
 
 namespace patina::quilting {
-namespace {
 
-constexpr int kCellPx = 8;
-
-// Cells that the texels [from - 1, to + 1) lie in, each once.
 std::vector<int> cellsOf(int from, int to, int length) {
   std::vector<int> cells;
   for (int v = from - 1; v <= to; ++v) {
@@ -17,8 +13,6 @@ std::vector<int> cellsOf(int from, int to, int length) {
   }
   return cells;
 }
-
-}  // namespace
 
 std::vector<std::vector<std::size_t>> blockGroups(const std::vector<PointPx>& corners, SizePx block,
                                                   SizePx wrapping_canvas) {

@@ -8,20 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "processing/patch/squared_difference.h"
 #include "processing/patch/strip_cut.h"
+#include "processing/synthesis/quilting/block_groups.h"
 
 namespace patina::quilting {
 namespace {
 
-float squaredDistance(const float* a, const float* b, int channels) {
-  float sum = 0;
-  for (int c = 0; c < channels; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
-  return sum;
-}
-
 double gradient(ImageView<const float> f, int x, int y, int step_x, int step_y) {
-  return std::sqrt(
-      squaredDistance(f.texel(x, y).data(), f.texel(x + step_x, y + step_y).data(), f.channels));
+  return std::sqrt(patch::squaredDifference(f.texel(x, y).data(),
+                                            f.texel(x + step_x, y + step_y).data(), f.channels));
 }
 
 double typicalGradient(ImageView<const float> to_right, ImageView<const float> down) {
@@ -42,16 +38,18 @@ Canvas::Canvas(ImageView<const float> features, SizePx size, SizePx block, bool 
       wraps_(wraps),
       warps_(warps),
       metric_(metric),
+      across_channels_(metric ? (features.channels + 7) / 8 * 8 : features.channels),
       weights_(size, 0, {}),
       source_(size.width, size.height, 2, -1),
       index_(size.width, size.height, 1, -1),
+      changed_(size.width / kCellPx + 1, size.height / kCellPx + 1, 1),
       target_(block.width, block.height, features.channels),
       at_true_time_(warps ? block.width : 0, warps ? block.height : 0, features.channels),
       known_(block.width, block.height, 1) {
   for (std::size_t d = 0; d < 2; ++d) {
-    target_across_[d] = Image<float>(block.width, block.height, features.channels);
+    target_across_[d] = Image<float>(block.width, block.height, across_channels_);
     if (!metric_) continue;
-    across_[d] = Image<float>(features.width, features.height, features.channels);
+    across_[d] = Image<float>(features.width, features.height, across_channels_);
     tbb::parallel_for(0, features.height, [&](int y) {
       for (int x = 0; x < features.width; ++x)
         metric_->apply(static_cast<int>(d), features.texel(x, y).data(), &across_[d].at(x, y));
@@ -132,7 +130,7 @@ void Canvas::shownAcross(std::size_t direction, int index, int source_x, int sou
 Image<double> Canvas::differenceFrom(std::size_t direction, RectPx part, int source_x,
                                      int source_y) const {
   Image<double> difference(part.width, part.height, 1, -1.0);
-  std::vector<float> warped(warps_ ? features_.channels : 0);
+  std::vector<float> warped(warps_ ? across_channels_ : 0);
   for (int j = 0; j < part.height; ++j)
     for (int i = 0; i < part.width; ++i) {
       const int u = part.x + i, v = part.y + j;
@@ -143,12 +141,12 @@ Image<double> Canvas::differenceFrom(std::size_t direction, RectPx part, int sou
         shown = warped.data();
       }
       difference.at(i, j) =
-          squaredDistance(&target_across_[direction].at(u, v), shown, features_.channels);
+          patch::squaredDifference(&target_across_[direction].at(u, v), shown, across_channels_);
     }
   return difference;
 }
 
-double Canvas::seamEstimate(int source_x, int source_y, SizePx overlap) const {
+double Canvas::seamEstimate(int source_x, int source_y, SizePx overlap, double limit) const {
   const int width = block_.width, height = block_.height, middle_x = width / 2,
             middle_y = height / 2;
   const auto along = [&](std::size_t direction, RectPx strip) {
@@ -159,10 +157,10 @@ double Canvas::seamEstimate(int source_x, int source_y, SizePx overlap) const {
   };
   double sum = 0;
   if (known_.at(0, middle_y)) sum += along(0, {0, 0, overlap.width, height});
-  if (known_.at(middle_x, 0)) sum += along(1, {0, 0, width, overlap.height});
-  if (known_.at(width - 1, middle_y))
+  if (sum <= limit && known_.at(middle_x, 0)) sum += along(1, {0, 0, width, overlap.height});
+  if (sum <= limit && known_.at(width - 1, middle_y))
     sum += along(0, {width - overlap.width, 0, overlap.width, height});
-  if (known_.at(middle_x, height - 1))
+  if (sum <= limit && known_.at(middle_x, height - 1))
     sum += along(1, {0, height - overlap.height, width, overlap.height});
   return std::max(sum, 0.0);
 }

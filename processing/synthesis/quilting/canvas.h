@@ -30,8 +30,8 @@ class Canvas {
 
   // What a seam would cost, were source block (source_x, source_y) laid over the place last looked
   // at: cut straight through each of the overlapping sides, as wide as `overlap` says. For
-  // comparing.
-  double seamEstimate(int source_x, int source_y, SizePx overlap) const;
+  // comparing. Once it is above `limit` it may come out as anything above it.
+  double seamEstimate(int source_x, int source_y, SizePx overlap, double limit) const;
   // Lays it there, cut where it differs least.
   patch::GridCut paste(int source_x, int source_y);
 
@@ -40,6 +40,11 @@ class Canvas {
   // A seam between neighbours costs how far their sources are apart at both, as distances: these
   // keep to the triangle inequality, so the minimum is exact. Returns the texels that changed.
   std::int64_t expand(int x, int y, int index, int source_x, int source_y);
+  // Has anything changed by expansions, within or beside the block at (x,y), since step `step`?
+  // What changes from now on does so in `step`; blocks of one step neither share nor neighbour a
+  // texel.
+  bool isChangedSince(int x, int y, int step) const;
+  void setStep(int step) { step_ = step; }
 
   // How much the liveliness of a place counts for seams from now on (seam_weights.h).
   void setLiveliness(double exponent) { weights_.setExponent(exponent); }
@@ -92,10 +97,13 @@ class Canvas {
   bool wraps_;
   const TimeWarps* warps_;
   const SeamMetric* metric_;
+  int across_channels_;                 // with a metric filled up with zeros to eights
   std::array<Image<float>, 2> across_;  // empty without a metric
   SeamWeights weights_;
   Image<std::int32_t> source_, index_;  // -1: nothing there yet
   Image<std::uint8_t> kept_;            // empty: nothing
+  Image<std::int32_t> changed_;         // by cells: in which step last, by an expansion
+  int step_ = 0;
 
   int x_ = 0, y_ = 0, looking_ = 0;  // last looked at, and for which block
   Image<float> target_;              // as it is shown

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "processing/patch/squared_difference.h"
+#include "processing/synthesis/quilting/block_groups.h"
 #include "processing/synthesis/quilting/canvas.h"
 
 namespace patina::quilting {
@@ -24,14 +26,12 @@ double Canvas::seamCost(const Copy& here, const Copy& there, int step_x, int ste
   thread_local std::array<std::vector<float>, 2> room;
   const auto shown = [&](const Copy& copy, int dx, int dy, std::size_t place) {
     if (!warps_) return across(direction).texel(copy.x + dx, copy.y + dy).data();
-    room[place].resize(static_cast<std::size_t>(features_.channels));
+    room[place].resize(static_cast<std::size_t>(across_channels_));
     shownAcross(direction, copy.index, copy.x + dx, copy.y + dy, room[place].data());
     return static_cast<const float*>(room[place].data());
   };
   const auto apart = [&](const float* a, const float* b) {
-    float sum = 0;
-    for (int c = 0; c < features_.channels; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
-    return static_cast<double>(std::sqrt(sum));
+    return static_cast<double>(std::sqrt(patch::squaredDifference(a, b, across_channels_)));
   };
   const bool on = isSource(here.x + step_x, here.y + step_y),
              back = isSource(there.x - step_x, there.y - step_y);
@@ -94,10 +94,19 @@ std::int64_t Canvas::expand(int x, int y, int index, int source_x, int source_y)
       const auto to = sourceAt(x + i, y + j);
       to[0] = source_x + i;
       to[1] = source_y + j;
-      index_.at(wrapped(x + i, size_.width), wrapped(y + j, size_.height)) = index;
+      const int u = wrapped(x + i, size_.width), v = wrapped(y + j, size_.height);
+      index_.at(u, v) = index;
+      changed_.at(u / kCellPx, v / kCellPx) = step_;
       ++changed;
     }
   return changed;
+}
+
+bool Canvas::isChangedSince(int x, int y, int step) const {
+  for (int v : cellsOf(y, y + block_.height, wraps_ ? size_.height : 0))
+    for (int u : cellsOf(x, x + block_.width, wraps_ ? size_.width : 0))
+      if (u < changed_.width() && v < changed_.height() && changed_.at(u, v) > step) return true;
+  return false;
 }
 
 }  // namespace patina::quilting

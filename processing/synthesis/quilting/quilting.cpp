@@ -22,7 +22,8 @@ namespace patina::quilting {
 namespace {
 
 constexpr std::int64_t kTexelsMost = 40'000'000;  // of the source: 60 bytes of features each
-constexpr int kTries = 64;                        // candidates whose seams are looked at
+constexpr double kMore = 1 + 1e-9;  // so that no rounding ends an estimate at its limit
+constexpr int kTries = 64;          // candidates whose seams are looked at
 // How much liveliness counts for seams at first and at most; how lively their places should be
 // against the rest, as features see it (as frames do, some 5 to 10 % more), and how near that is
 // near enough; it rises by about so much with an exponent larger by 1.
@@ -137,7 +138,7 @@ class Quilter {
     progress.begin("seams", kRecuts + options_.seam_sweeps);
     double exponent = kLiveliness, before = 0, selected_before = 0;
     for (int i = 0; i < kRecuts; ++i) {
-      canvas_.setLiveliness(exponent);
+      weighAnew(exponent);
       sweep(part);
       progress.step();
       const double selected = seamSelection(features, canvas_.cropped(part));
@@ -150,7 +151,7 @@ class Quilter {
                                                   0.0, kLivelinessMost));
       if (exponent == before) break;
     }
-    canvas_.setLiveliness(exponent);
+    if (exponent != liveliness_) weighAnew(exponent);
     for (int i = 0; i < options_.seam_sweeps; ++i) {
       const std::int64_t changed = sweep(options_.size);
       recut_ += changed;
@@ -172,8 +173,13 @@ class Quilter {
   }
 
  private:
+  void weighAnew(double liveliness) {
+    canvas_.setLiveliness(liveliness_ = liveliness);
+    swept_.assign(index_of_.size(), kNever);
+  }
   // Every block that begins within that part of the result, in the order in which they were laid;
-  // those that do not meet at the same time. Returns how many texels changed.
+  // those that do not meet at the same time. One about which nothing has changed since its last
+  // turn could take nothing now. Returns how many texels changed.
   std::int64_t sweep(SizePx part) {
     std::vector<std::size_t> within;
     std::vector<PointPx> corners;
@@ -184,12 +190,17 @@ class Quilter {
       corners.push_back({b.x, b.y});
     }
     std::atomic<std::int64_t> changed = 0;
-    for (const auto& group : blockGroups(corners, block_, options_.tile ? options_.size : SizePx{}))
+    for (const auto& group :
+         blockGroups(corners, block_, options_.tile ? options_.size : SizePx{})) {
+      canvas_.setStep(++step_);
       tbb::parallel_for(std::size_t{0}, group.size(), [&](std::size_t i) {
         const std::size_t block = within[group[i]];
         const PlacedBlock& b = guard_.blocks()[block];
-        changed += canvas_.expand(b.x, b.y, index_of_[block], b.source_x, b.source_y);
+        if (swept_[block] == kNever || canvas_.isChangedSince(b.x, b.y, swept_[block]))
+          changed += canvas_.expand(b.x, b.y, index_of_[block], b.source_x, b.source_y);
+        swept_[block] = step_;
       });
+    }
     return changed;
   }
   // Of some drawn from those that agree well all over the overlap, the one that joins best.
@@ -208,12 +219,20 @@ class Quilter {
         overlap, {options_.tolerance, floor_per_texel_ * known, std::as_const(weights).view()});
     PATINA_CHECK(!found.empty());
     std::vector<patch::Candidate> tried;
-    for (int i = 0; i < kTries; ++i)
-      tried.push_back(found[uniformBelow(hashSeed(draw, i), found.size())]);
+    std::vector<bool> drawn(found.size());
+    for (int i = 0; i < kTries; ++i) {
+      const std::size_t one = uniformBelow(hashSeed(draw, i), found.size());
+      if (!drawn[one]) tried.push_back(found[one]);
+      drawn[one] = true;
+    }
     const double floor = floor_per_texel_ * (block_.width + block_.height);
-    tbb::parallel_for(0, kTries, [&](int i) {
+    std::atomic<double> least = std::numeric_limits<double>::infinity();
+    tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t i) {
       patch::Candidate& c = tried[i];
-      c.cost = weights.at(c.x, c.y) * (floor + canvas_.seamEstimate(c.x, c.y, overlap_));
+      const double weight = weights.at(c.x, c.y), most = least.load() / weight * kMore - floor;
+      c.cost = weight * (floor + canvas_.seamEstimate(c.x, c.y, overlap_, most));
+      for (double best = least.load(); c.cost < best;)
+        if (least.compare_exchange_weak(best, c.cost)) break;
     });
     return *std::min_element(tried.begin(), tried.end(),
                              [](const auto& a, const auto& b) { return a.cost < b.cost; });
@@ -244,6 +263,10 @@ class Quilter {
   TimeWarps* warps_;
   int index_ = 0;
   std::vector<int> index_of_;  // each placed block's
+  static constexpr int kNever = -1;
+  double liveliness_ = 0;
+  std::vector<int> swept_;  // each placed block's last step, with these weights
+  int step_ = 0;
   std::int64_t recut_ = 0;
   double seam_cost_ = 0;
   std::int64_t seam_edges_ = 0;

@@ -38,15 +38,20 @@ RepetitionGuard::RepetitionGuard(SizePx corners, SizePx block, SizePx wrap, doub
       wrap_(wrap),
       penalty_(penalty),
       verbatim_(verbatim),
-      penalties_(static_cast<int>((kReachBlocks + 1) * block.width) + 1,
-                 static_cast<int>((kReachBlocks + 1) * block.height) + 1, 1) {
+      reach_x_(static_cast<int>((kReachBlocks + 1) * block.width)),
+      penalties_(2 * reach_x_ + 1, static_cast<int>((kReachBlocks + 1) * block.height) + 1, 1),
+      same_(penalties_.width(), penalties_.height(), 1) {
   for (int dy = 0; dy < penalties_.height(); ++dy)
-    for (int dx = 0; dx < penalties_.width(); ++dx) {
+    for (int dx = -reach_x_; dx <= reach_x_; ++dx) {
       const double d = std::hypot(dx / double(block.width), dy / double(block.height));
       const double faded = kFarPenalty * std::exp(-d * d / (kFadeBlocks * kFadeBlocks));
-      penalties_.at(dx, dy) = static_cast<float>(
-          d < kSameCopy ? -1 : penalty_ * (d < kSideBySide ? kSideBySidePenalty : faded));
+      same_.at(reach_x_ + dx, dy) = d < kSameCopy;
+      if (d >= kSameCopy)
+        penalties_.at(reach_x_ + dx, dy) =
+            static_cast<float>(penalty_ * (d < kSideBySide ? kSideBySidePenalty : faded));
     }
+  for (int dx = 1 - block.width; dx < block.width; ++dx)
+    shares_x_.push_back(1 - std::abs(dx) / static_cast<float>(block.width));
 }
 
 RepetitionGuard::Apart RepetitionGuard::apart(int x, int y, const PlacedBlock& other) const {
@@ -96,18 +101,18 @@ void RepetitionGuard::stampRow(const PlacedBlock& block, Apart a, bool copied_en
   const int dy = corner_y - block.source_y;
   if (std::abs(dy) >= block_.height) return;
   const float share_y = 1 - std::abs(dy) / static_cast<float>(block_.height);
-  const float* penalties = penalties_.view().row(std::abs(a.y - dy));
   const int x0 = std::max(0, block.source_x - block_.width + 1),
             x1 = std::min(corners_.width, block.source_x + block_.width);
-  for (int corner_x = x0; corner_x < x1; ++corner_x) {
-    const int dx = corner_x - block.source_x;
-    const float penalty = penalties[std::abs(a.x - dx)];
-    if (penalty >= 0)
-      weights[corner_x] +=
-          penalty * share_y * (1 - std::abs(dx) / static_cast<float>(block_.width));
-    else if (copied_enough)
-      weights[corner_x] = kForbidden;
-  }
+  // From the first corner on, all rise with it.
+  const int first = x0 - block.source_x, at = reach_x_ + first - a.x;
+  const float *penalties = penalties_.view().row(std::abs(a.y - dy)) + at,
+              *shares = shares_x_.data() + (first + block_.width - 1);
+  weights += x0;
+  for (int i = 0; i < x1 - x0; ++i) weights[i] += penalties[i] * share_y * shares[i];
+  if (!copied_enough) return;
+  const std::uint8_t* same = same_.view().row(std::abs(a.y - dy)) + at;
+  for (int i = 0; i < x1 - x0; ++i)
+    if (same[i]) weights[i] = kForbidden;
 }
 
 void RepetitionGuard::place(int x, int y, int source_x, int source_y) {
@@ -116,8 +121,8 @@ void RepetitionGuard::place(int x, int y, int source_x, int source_y) {
     const Apart a = apart(x, y, other);
     const int shift_x = std::abs(a.x - (source_x - other.source_x)),
               shift_y = std::abs(a.y - (source_y - other.source_y));
-    if (isTouching(a) && shift_x < penalties_.width() && shift_y < penalties_.height() &&
-        penalties_.at(shift_x, shift_y) < 0)
+    if (isTouching(a) && shift_x <= reach_x_ && shift_y < same_.height() &&
+        same_.at(reach_x_ + shift_x, shift_y))
       placed.patch = other.patch;
   }
   if (placed.patch == static_cast<int>(patches_.size()))

@@ -3,6 +3,7 @@
 // repeated side by side before it finds any seam.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "processing/image/image.h"
@@ -42,7 +43,11 @@ class RepetitionGuard {
   SizePx verbatim_;
   std::vector<PlacedBlock> blocks_;
   std::vector<RectPx> patches_;  // their bounds in the result
-  Image<float> penalties_;       // by displacement |dx|,|dy| of two showings; negative: one copy
+  // By displacement of two showings, columns from -reach_x_ on, rows from 0.
+  int reach_x_;
+  Image<float> penalties_;
+  Image<std::uint8_t> same_;     // one copy that goes on: no penalty
+  std::vector<float> shares_x_;  // of its width that a source region shares with one dx apart
 };
 
 }  // namespace patina::quilting

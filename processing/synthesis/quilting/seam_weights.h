@@ -28,9 +28,10 @@ class SeamWeights {
   double at(std::size_t direction, int x, int y) const;
 
  private:
-  double typical_, exponent_ = 0.5;
-  std::array<double, 2> ragged_;
-  Image<float> sum_;  // [h][w][2], in typical gradients
+  double typical_;
+  float exponent_ = 0.5f;
+  Image<float> chance_;  // [h][w][2]: the factor drawn; empty: 1
+  Image<float> sum_;     // [h][w][2], in typical gradients
   Image<float> count_;
   Image<float> known_;  // weights of all edges; empty: reckoned as they are asked for
 };

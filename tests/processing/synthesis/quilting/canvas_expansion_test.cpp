@@ -81,6 +81,29 @@ TEST(CanvasExpansion, ChangesNothingWhereACopyGoesOn) {
   EXPECT_EQ(canvas.cropped({16, 10}).source_xy.texels(), shown);
 }
 
+TEST(CanvasExpansion, TakesNothingWhereNothingHasChangedSinceItsLastTurn) {
+  const Image<float> f = waveTexture({40, 40}, 3);
+  int turns = 0, quiet = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Laid laid(f, seed);
+    std::vector<int> last(laid.blocks.size(), -1);
+    for (int step = 1; step <= 36; ++step) {
+      const auto i = static_cast<std::size_t>(step) % laid.blocks.size();
+      const auto& [x, y, u, v] = laid.blocks[i];
+      const bool must = last[i] < 0 || laid.canvas.isChangedSince(x, y, last[i]);
+      laid.canvas.setStep(step);
+      const std::int64_t changed = laid.canvas.expand(x, y, static_cast<int>(i), u, v);
+      EXPECT_TRUE(must || changed == 0);
+      EXPECT_EQ(laid.canvas.isChangedSince(x, y, step - 1), changed > 0);
+      last[i] = step;
+      ++turns;
+      quiet += !must;
+    }
+  }
+  EXPECT_GT(quiet, 20);
+  EXPECT_LT(quiet, turns - 45);
+}
+
 TEST(CanvasExpansion, LeavesWhatIsKept) {
   const Image<float> f = waveTexture({40, 40}, 3);
   Canvas canvas(f.view(), {16, 10}, kBlock, false);

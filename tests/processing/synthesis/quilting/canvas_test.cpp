@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "tests/processing/synthesis/quilting/textures.h"
 
 namespace patina::quilting {
 namespace {
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 constexpr SizePx kBlock{10, 10};
 
@@ -50,8 +53,8 @@ TEST(Canvas, FindsNoSeamWhereACopyGoesOn) {
   canvas.look(0, 0, 0);
   canvas.paste(3, 4);
   canvas.look(6, 0, 1);
-  EXPECT_EQ(canvas.seamEstimate(9, 4, {4, 4}), 0);
-  EXPECT_GT(canvas.seamEstimate(10, 4, {4, 4}), 0);
+  EXPECT_EQ(canvas.seamEstimate(9, 4, {4, 4}, kNoLimit), 0);
+  EXPECT_GT(canvas.seamEstimate(10, 4, {4, 4}, kNoLimit), 0);
   EXPECT_EQ(canvas.paste(9, 4).cost, 0);
 }
 
@@ -85,7 +88,7 @@ TEST(Canvas, JudgesEdgesOfEachDirectionByTheMetric) {
   canvas.look(0, 0, 0);
   canvas.paste(3, 4);
   canvas.look(0, 6, 1);
-  EXPECT_EQ(canvas.seamEstimate(20, 20, {4, 4}), 0);
+  EXPECT_EQ(canvas.seamEstimate(20, 20, {4, 4}, kNoLimit), 0);
   EXPECT_EQ(canvas.paste(20, 20).cost, 0);
 }
 
