@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace patina::quilting {
@@ -32,7 +33,7 @@ struct Directions {
 };
 
 double distance(std::span<const float> a, std::span<const float> b) {
-  double squares = 0;
+  float squares = 0;
   for (std::size_t c = 0; c < a.size(); ++c) squares += (a[c] - b[c]) * (a[c] - b[c]);
   return std::sqrt(squares);
 }
@@ -106,25 +107,28 @@ Directions gradients(ImageView<const float> result, const Quilt& quilt) {
 // Over what of each square lies within the image.
 Image<float> areaMeans(ImageView<const float> image, int radius) {
   const int channels = image.channels;
-  Image<float> rows(image.width, image.height, channels), out(rows);
-  const auto average = [&](int count, int length, const auto& in, const auto& to) {
-    tbb::parallel_for(0, count, [&](int line) {
-      for (int c = 0; c < channels; ++c) {
-        std::vector<double> sum(length + 1);
-        for (int i = 0; i < length; ++i) sum[i + 1] = sum[i] + in(line, i, c);
-        for (int i = 0; i < length; ++i) {
-          const int first = std::max(0, i - radius), end = std::min(length, i + radius + 1);
-          to(line, i, c) = static_cast<float>((sum[end] - sum[first]) / (end - first));
-        }
+  Image<float> rows(image.width, image.height, channels), out(rows);  // zeros
+  tbb::parallel_for(0, image.height, [&](int y) {
+    std::vector<double> sum(static_cast<std::size_t>(image.width) + 1);
+    for (int c = 0; c < channels; ++c) {
+      for (int x = 0; x < image.width; ++x) sum[x + 1] = sum[x] + image.at(x, y, c);
+      for (int x = 0; x < image.width; ++x) {
+        const int first = std::max(0, x - radius), end = std::min(image.width, x + radius + 1);
+        rows.at(x, y, c) = static_cast<float>((sum[end] - sum[first]) / (end - first));
       }
-    });
-  };
-  average(
-      image.height, image.width, [&](int y, int x, int c) { return image.at(x, y, c); },
-      [&](int y, int x, int c) -> float& { return rows.at(x, y, c); });
-  average(
-      image.width, image.height, [&](int x, int y, int c) { return rows.at(x, y, c); },
-      [&](int x, int y, int c) -> float& { return out.at(x, y, c); });
+    }
+  });
+  tbb::parallel_for(0, image.height, [&](int y) {  // by whole rows, as they lie in memory
+    const int first = std::max(0, y - radius), end = std::min(image.height, y + radius + 1);
+    float* sum = out.view().row(y);
+    const int samples = image.width * channels;
+    for (int v = first; v < end; ++v) {
+      const float* row = std::as_const(rows).view().row(v);
+      for (int i = 0; i < samples; ++i) sum[i] += row[i];
+    }
+    const float share = 1 / static_cast<float>(end - first);
+    for (int i = 0; i < samples; ++i) sum[i] *= share;
+  });
   return out;
 }
 

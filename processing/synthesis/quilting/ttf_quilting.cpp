@@ -86,6 +86,8 @@ class ResultFrames {
         linear_([&source](int t) { return source.linearFrame(t); }, reach) {}
 
   int count() const { return source_.info().frames; }
+  // Do blocks show the source as it is, at one time?
+  bool areCopies() const { return quilt_.times.empty() && !blend_ && !to_restore_; }
   Image<std::uint16_t> samples(int t) const { return finished(t, samples_); }
   Image<float> linear(int t) const { return finished(t, linear_); }
   // Frames of the source that blocks show at t, by their number.
@@ -139,9 +141,8 @@ double medianOf(std::vector<double> values) {
   return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
-double inPlace(const ResultFrames& frames, int t, const Image<float>& frame, const Quilt& quilt) {
-  std::map<int, Image<float>> sources = frames.sources(t);
-  for (auto& [time, source] : sources) display(source);
+double inPlace(const std::map<int, Image<float>>& sources, int t, const Image<float>& frame,
+               const Quilt& quilt) {
   std::vector<ImageView<const float>> of_block;
   if (quilt.times.empty()) of_block.push_back(std::as_const(sources.at(t)).view());
   for (const std::vector<int>& times : quilt.times)
@@ -155,9 +156,16 @@ SeamFigures seamFigures(const ResultFrames& frames, const Quilt& quilt) {
   SeamFigures figures;
   for (int i = 0; i < count; ++i) {
     const int t = count > 1 ? i * (frames.count() - 1) / (count - 1) : 0;
-    Image<float> frame = frames.linear(t);
-    display(frame);
-    in_place.push_back(inPlace(frames, t, frame, quilt));
+    std::map<int, Image<float>> sources = frames.sources(t);
+    for (auto& [time, source] : sources) display(source);
+    Image<float> frame(0, 0, 1);
+    if (frames.areCopies()) {  // each sample is displayed once
+      frame = applyQuilt(std::as_const(sources.at(t)).view(), quilt);
+    } else {
+      frame = frames.linear(t);
+      display(frame);
+    }
+    in_place.push_back(inPlace(sources, t, frame, quilt));
     ratios.push_back(seamRatio(std::as_const(frame).view(), quilt));
     figures.worst = std::max(figures.worst,
                              seamRatioOfAreas(std::as_const(frame).view(), quilt, kAreaRadiusPx));
