@@ -28,6 +28,21 @@ double typicalGradient(ImageView<const float> to_right, ImageView<const float> d
   return sum / (2.0 * std::max(1, down.height - 1) * std::max(1, down.width - 1));
 }
 
+template <class T>
+Image<T> copyByMap(ImageView<const T> frame, const Quilt& quilt) {
+  const ImageView<const std::int32_t> map = quilt.source_xy.view();
+  Image<T> out(map.width, map.height, frame.channels);
+  const ImageView<T> view = out.view();
+  tbb::parallel_for(0, map.height, [&](int y) {
+    for (int x = 0; x < map.width; ++x) {
+      const auto from = map.texel(x, y);
+      const auto texel = frame.texel(from[0], from[1]);
+      std::copy(texel.begin(), texel.end(), view.texel(x, y).begin());
+    }
+  });
+  return out;
+}
+
 }  // namespace
 
 Canvas::Canvas(ImageView<const float> features, SizePx size, SizePx block, bool wraps,
@@ -222,6 +237,13 @@ Image<float> Canvas::shown(SizePx size) const {
       shownBy(index_.at(x, y), source_.at(x, y, 0), source_.at(x, y, 1), &out.at(x, y));
   });
   return out;
+}
+
+Image<std::uint16_t> applyQuilt(ImageView<const std::uint16_t> frame, const Quilt& quilt) {
+  return copyByMap(frame, quilt);
+}
+Image<float> applyQuilt(ImageView<const float> frame, const Quilt& quilt) {
+  return copyByMap(frame, quilt);
 }
 
 }  // namespace patina::quilting

@@ -300,21 +300,6 @@ void checkPlaces(const QuiltingOptions& options, SizePx source, SizePx block) {
     }
 }
 
-template <class T>
-Image<T> copyByMap(ImageView<const T> frame, const Quilt& quilt) {
-  const ImageView<const std::int32_t> map = quilt.source_xy.view();
-  Image<T> out(map.width, map.height, frame.channels);
-  const ImageView<T> view = out.view();
-  tbb::parallel_for(0, map.height, [&](int y) {
-    for (int x = 0; x < map.width; ++x) {
-      const auto from = map.texel(x, y);
-      const auto texel = frame.texel(from[0], from[1]);
-      std::copy(texel.begin(), texel.end(), view.texel(x, y).begin());
-    }
-  });
-  return out;
-}
-
 }  // namespace
 
 SizePx QuiltingOptions::blockFor(SizePx source) const {
@@ -401,13 +386,6 @@ QuiltResult quilt(ImageView<const float> features, const QuiltingOptions& option
     }
   quilter.recut(features, progress);
   return quilter.finish(features);
-}
-
-Image<std::uint16_t> applyQuilt(ImageView<const std::uint16_t> frame, const Quilt& quilt) {
-  return copyByMap(frame, quilt);
-}
-Image<float> applyQuilt(ImageView<const float> frame, const Quilt& quilt) {
-  return copyByMap(frame, quilt);
 }
 
 }  // namespace patina::quilting
