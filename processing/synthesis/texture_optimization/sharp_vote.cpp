@@ -29,27 +29,52 @@ Image<float> padded(ImageView<const T> source, int count) {
   return out;
 }
 
-enum class Spread { kLeftOut, kMeasured };
+// Each texel less the mean of its surroundings.
+Image<float> detailOf(const Image<float>& image) {
+  const int width = image.width(), height = image.height(), channels = image.channels();
+  Image<float> out(width, height, channels);
+  forEachRow(height, std::int64_t{width} * channels * 8, [&](int y) {
+    const int top = std::max(y - kAround, 0), bottom = std::min(y + kAround, height - 1);
+    std::vector<float> above(static_cast<std::size_t>(width * channels), 0.0f);
+    for (int i = top; i <= bottom; ++i) {
+      const float* from = &image.at(0, i);
+      for (std::size_t k = 0; k < above.size(); ++k) above[k] += from[k];
+    }
+    for (int x = 0; x < width; ++x) {
+      const int left = std::max(x - kAround, 0), right = std::min(x + kAround, width - 1);
+      const float share = 1.0f / static_cast<float>((bottom - top + 1) * (right - left + 1));
+      for (int c = 0; c < channels; ++c) {
+        float sum = 0;
+        for (int i = left; i <= right; ++i)
+          sum += above[static_cast<std::size_t>(i * channels + c)];
+        out.at(x, y, c) = image.at(x, y, c) - share * sum;
+      }
+    }
+  });
+  return out;
+}
 
 // Means of the votes over rows [first, last) of the target and kAround more on both sides.
 class Band {
  public:
-  // `source`: as padded() gives it.
-  Band(const Image<float>& source, const patch::Votes& votes, int first, int last, Spread spread)
+  // `source`: as padded() gives it. `details`: of the source, or null: no spread is asked for.
+  Band(const Image<float>& source, const patch::Votes& votes, int first, int last,
+       const Image<float>* details)
       : source_(source),
+        details_(details),
         votes_(votes),
         first_(first - kAround),
         channels_(static_cast<std::size_t>(source.channels())),
         means_(static_cast<std::size_t>(last - first + 2 * kAround) * rowLength()),
         above_(rowLength()) {
-    if (spread == Spread::kMeasured) spreads_.resize(means_.size() / channels_);
+    if (details != nullptr) spreads_.resize(means_.size() / channels_);
     for (int y = first_; y < last + kAround; ++y)
       if (isThere(y))
         for (int x = 0; x < votes.target.width; ++x) voteTexel(x, y);
   }
 
   const float* mean(int x, int y) const { return &means_[texelOf(x, y) * channels_]; }
-  // Variance of the votes about their mean, summed over channels.
+  // Variance of the votes' details about their mean, summed over channels.
   float spread(int x, int y) const { return spreads_[texelOf(x, y)]; }
 
   // Prepares detail() for row y.
@@ -91,38 +116,50 @@ class Band {
            static_cast<std::size_t>(x);
   }
   void voteTexel(int x, int y) {
-    std::array<const float*, kVotesMax> shown{};
+    std::array<std::size_t, kVotesMax> shown{};  // where their numbers begin
     std::size_t count = 0;
     bool agreed = true;
-    patch::forEachVote(
-        votes_, x, wrapped(y, votes_.target.height), [&](std::int32_t texel, int, int) {
-          shown[count] = source_.texels().data() + static_cast<std::size_t>(texel) * channels_;
-          agreed &= shown[count++] == shown[0];
-        });
+    patch::forEachVote(votes_, x, wrapped(y, votes_.target.height),
+                       [&](std::int32_t texel, int, int) {
+                         shown[count] = static_cast<std::size_t>(texel) * channels_;
+                         agreed &= shown[count++] == shown[0];
+                       });
     float* to = &means_[texelOf(x, y) * channels_];
+    const float* from = source_.texels().data();
     if (agreed) {
-      std::copy_n(shown[0], channels_, to);
+      std::copy_n(from + shown[0], channels_, to);
       return;
     }
     const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(count));
     for (std::size_t c = 0; c < channels_; c += 4) {
       __m128 sum = _mm_setzero_ps();
-      for (std::size_t i = 0; i < count; ++i) sum = _mm_add_ps(sum, _mm_loadu_ps(shown[i] + c));
+      for (std::size_t i = 0; i < count; ++i)
+        sum = _mm_add_ps(sum, _mm_loadu_ps(from + shown[i] + c));
       _mm_storeu_ps(to + c, _mm_mul_ps(sum, share));
     }
-    if (spreads_.empty()) return;
+    if (details_ != nullptr) spreads_[texelOf(x, y)] = spreadOf(std::span(shown).first(count));
+  }
+  float spreadOf(std::span<const std::size_t> shown) const {
+    const float* from = details_->texels().data();
+    const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(shown.size()));
     __m128 squares = _mm_setzero_ps();
-    for (std::size_t c = 0; c < channels_; c += 4)
-      for (std::size_t i = 0; i < count; ++i) {
-        const __m128 off = _mm_sub_ps(_mm_loadu_ps(shown[i] + c), _mm_loadu_ps(to + c));
-        squares = _mm_add_ps(squares, _mm_mul_ps(off, off));
+    for (std::size_t c = 0; c < channels_; c += 4) {
+      __m128 sum = _mm_setzero_ps(), own = sum;
+      for (const std::size_t at : shown) {
+        const __m128 v = _mm_loadu_ps(from + at + c);
+        sum = _mm_add_ps(sum, v);
+        own = _mm_add_ps(own, _mm_mul_ps(v, v));
       }
+      const __m128 mean = _mm_mul_ps(sum, share);
+      squares = _mm_add_ps(squares, _mm_sub_ps(_mm_mul_ps(own, share), _mm_mul_ps(mean, mean)));
+    }
     alignas(16) std::array<float, 4> parts;
-    _mm_store_ps(parts.data(), _mm_mul_ps(squares, share));
-    spreads_[texelOf(x, y)] = parts[0] + parts[1] + (parts[2] + parts[3]);
+    _mm_store_ps(parts.data(), squares);
+    return std::max(0.0f, parts[0] + parts[1] + (parts[2] + parts[3]));
   }
 
   const Image<float>& source_;
+  const Image<float>* details_;
   const patch::Votes& votes_;
   int first_, rows_ = 0;
   std::size_t channels_;
@@ -169,9 +206,9 @@ VoteGain contrastLost(ImageView<const std::int16_t> source, int voted, const pat
   VoteGain out{votes.target, std::vector<float>(votes.indexOf(0, height), 1.0f)};
   enum { kLost, kLeft, kKept, kNumbers = 4 };
   Image<float> numbers(width, height, kNumbers);
-  const Image<float> components = padded(source, voted);
+  const Image<float> components = padded(source, voted), details = detailOf(components);
   forEachBand(height, [&](int first, int last) {
-    Band band(components, votes, first, last, Spread::kMeasured);
+    Band band(components, votes, first, last, &details);
     std::vector<float> detail(static_cast<std::size_t>(components.channels()));
     for (int y = first; y < last; ++y) {
       band.turnTo(y);
@@ -202,7 +239,7 @@ void sharpVote(ImageView<const float> source, const patch::Votes& votes, const V
   const auto width = static_cast<std::size_t>(votes.target.width);
   const Image<float> texels = padded(source, source.channels);
   forEachBand(votes.target.height, [&](int first, int last) {
-    Band band(texels, votes, first, last, Spread::kLeftOut);
+    Band band(texels, votes, first, last, nullptr);
     std::vector<float> row(width * channels), detail(static_cast<std::size_t>(texels.channels()));
     for (int y = first; y < last; ++y) {
       if (!gain.gain.empty()) band.turnTo(y);

@@ -2,7 +2,8 @@
 // What the patches over each texel show, averaged without loss of contrast. Where they agree, that
 // is a texel of the source. Where they do not, their mean is flatter than any of them: the part of
 // the mean that differs from its surroundings is raised until its local variance is that of the
-// votes again. The mean's own shape is raised, so a seam stays as smooth as voting made it.
+// same part of the votes. The mean's own shape is raised, so a seam stays as smooth as voting made
+// it.
 #pragma once
 
 #include <cstdint>

@@ -69,6 +69,23 @@ TEST(SharpVote, RestoresTheVarianceThatVotingTakes) {
   EXPECT_NEAR(sharp / 40000, 1, 0.1);
 }
 
+// The source's right is its left, brighter: their mean lacks no detail.
+TEST(SharpVote, RaisesNothingWhereVotesDifferInBrightnessAlone) {
+  Image<float> source = noise();
+  for (int y = 0; y < kSource; ++y)
+    for (int x = kSource / 2; x < kSource; ++x)
+      for (int c = 0; c < 8; ++c) source.at(x, y, c) = source.at(x - kSource / 2, y, c) + 600;
+  std::vector<std::int32_t> centres;
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x)
+      centres.push_back((y + 3) * kSource + 5 + x % 20 + ((x + y) % 2 != 0 ? kSource / 2 : 0));
+  const patch::Votes votes{centres, {kTarget, kTarget}, kSource, 2};
+  const VoteGain gain = contrastLost(whole(source).view(), 8, votes);
+  for (int y = 5; y < kTarget - 5; ++y)
+    for (int x = 5; x < 15; ++x)
+      ASSERT_LT(gain.gain[static_cast<std::size_t>(y * kTarget + x)], 1.05f) << x << " " << y;
+}
+
 TEST(SharpVote, LeavesKeptTexelsAndConstantsAsTheyAre) {
   const Image<float> source = noise(), constant(kSource, kSource, 1, 0.04f);
   const std::vector<std::int32_t> centres = copies(true);
