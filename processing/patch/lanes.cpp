@@ -30,10 +30,6 @@ Lanes::Lanes(SizePx target, bool wraps) : target_(target), tile_px_(kTileMaxPx) 
   count_ = (columns_ + band_ - 1) / band_;
 }
 
-Lanes::Columns Lanes::columnsOf(int lane) const {
-  return {lane * band_ * tile_px_, std::min(target_.width, (lane + 1) * band_ * tile_px_)};
-}
-
 Tile Lanes::tile(int lane, int step, bool forward) const {
   const int column = step % band_, row = step / band_,
             tx = lane * band_ + (forward ? column : band_ - 1 - column),

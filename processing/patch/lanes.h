@@ -20,10 +20,6 @@ class Lanes {
   int count() const { return count_; }
   int steps() const { return band_ * rows_; }  // of a pass
   Tile tile(int lane, int step, bool forward) const;
-  struct Columns {
-    int first, last;  // texels, the last excluded
-  };
-  Columns columnsOf(int lane) const;
 
  private:
   SizePx target_;

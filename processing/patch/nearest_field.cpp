@@ -100,22 +100,9 @@ void NearestField::start(std::vector<std::int32_t> centres) {
   occupancy.addAll(centres_);
   lanes_.clear();
   for (int lane = 0; lane < order_.count(); ++lane)
-    lanes_.push_back({.occupancy = occupancy, .nearness = {}, .changes = {}});
-  if (options_.nearness > 0) countNearness();
+    lanes_.push_back({.occupancy = occupancy, .changes = {}});
   wakefulness_.wakeAll();
   for (std::size_t i = 0; i < centres_.size(); ++i) wakefulness_.noteChange(i);
-}
-
-void NearestField::countNearness() {
-  tbb::parallel_for(0, order_.count(), [this](int i) {
-    const Lanes::Columns asked = order_.columnsOf(i);
-    std::vector<Nearness>& nearness = lanes_[static_cast<std::size_t>(i)].nearness;
-    nearness.emplace_back(source_.size(), target_size_, options_.wraps, asked.first, asked.last);
-    for (int y = 0; y < target_size_.height; ++y)
-      for (int x = 0; x < target_size_.width; ++x) nearness[0].add(x, y, centres_[indexOf(x, y)]);
-  });
-  nearness_scale_ =
-      static_cast<float>(options_.nearness * scale_ * scale_ / lanes_[0].nearness[0].unit());
 }
 
 void NearestField::wakeSeams() {
@@ -227,10 +214,6 @@ void NearestField::search(int pass) {
 void NearestField::Lane::take(const Change& change) {
   occupancy.add(change.to);
   occupancy.remove(change.from);
-  for (Nearness& near : nearness) {
-    near.add(change.x, change.y, change.to);
-    near.remove(change.x, change.y, change.from);
-  }
 }
 
 void NearestField::takeOver(int lane, int step) {
@@ -262,7 +245,7 @@ void NearestField::sweep(int lane, int step, int pass, bool forward) {
       judge(own, x, y, pass, ahead);
       if (centres_[at] == before) continue;
       wakefulness_.noteChange(at);
-      changes.push_back({x, y, before, centres_[at]});
+      changes.push_back({before, centres_[at]});
       own.take(changes.back());
     }
 }
@@ -281,16 +264,13 @@ std::int32_t NearestField::neighbour(int x, int y) const {
 struct NearestField::Judge {
   NearestField& field;
   const Occupancy& occupancy;
-  const Nearness* nearness;
   int x, y;
   const std::int16_t* target;
   Candidate best;
 
   std::int32_t penalty(std::int32_t centre) const {
-    float penalty = field.penalty_scale_ * static_cast<float>(occupancy.at(centre));
-    if (nearness != nullptr)
-      penalty += field.nearness_scale_ * static_cast<float>(nearness->at(x, y, centre));
-    return static_cast<std::int32_t>(penalty);
+    return static_cast<std::int32_t>(field.penalty_scale_ *
+                                     static_cast<float>(occupancy.at(centre)));
   }
   void propose(std::int32_t centre) {
     if (centre == best.centre) return;
@@ -344,13 +324,7 @@ struct NearestField::Judge {
 
 void NearestField::judge(const Lane& lane, int x, int y, int pass, int ahead) {
   const std::size_t at = indexOf(x, y);
-  Judge judge{*this,
-              lane.occupancy,
-              lane.nearness.empty() ? nullptr : &lane.nearness[0],
-              x,
-              y,
-              &target_.at(x, y),
-              {centres_[at], distances_[at], 0}};
+  Judge judge{*this, lane.occupancy, x, y, &target_.at(x, y), {centres_[at], distances_[at], 0}};
   judge.best.penalty = judge.penalty(centres_[at]);
   if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
   for (const Step before : {Step{-ahead, 0}, Step{0, -ahead}})

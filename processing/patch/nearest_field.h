@@ -21,7 +21,6 @@
 
 #include "processing/image/image.h"
 #include "processing/patch/lanes.h"
-#include "processing/patch/nearness.h"
 #include "processing/patch/occupancy.h"
 #include "processing/patch/patch_distance.h"
 #include "processing/patch/similar_patches.h"
@@ -39,7 +38,6 @@ struct FieldOptions {
   int patch = 5;              // texels; 3, 5 or 7
   double uniformity = 0.075;  // weight of occupancy, where 1 is even use; in units of the features'
                               // squared difference of one patch before their scale
-  double nearness = 0;  // the same of one whole copy of a place as near as can be (nearness.h)
   SearchKind search = SearchKind::kCoherent;
   SimilarOptions similar = {};
   bool wraps = false;  // the target goes on at its other side
@@ -88,12 +86,10 @@ class NearestField {
 
  private:
   struct Change {
-    int x, y;
     std::int32_t from, to;
   };
   struct Lane {
     Occupancy occupancy;
-    std::vector<Nearness> nearness;  // one, or none where it has no weight
     std::vector<Change> changes[2];  // in this step and the one before
     void take(const Change& change);
   };
@@ -103,7 +99,6 @@ class NearestField {
   struct Judge;  // of one target patch, in one lane
 
   void placeGuide(ImageView<const std::int16_t> guide);
-  void countNearness();
   void takeOver(int lane, int step);  // what the other lanes changed in it
   void sweep(int lane, int step, int pass, bool forward);
   void judge(const Lane& lane, int x, int y, int pass, int ahead);
@@ -129,7 +124,7 @@ class NearestField {
   FieldOptions options_;
   int reach_, corner_, voted_;  // corner_: from a centre to its patch's corner, in texels; voted_:
                                 // components that are voted, the guide's behind them
-  float penalty_scale_, nearness_scale_ = 0;
+  float penalty_scale_;
   std::int32_t least_gain_;  // of a candidate that is taken
   PatchDistance distance_;
   std::vector<std::uint8_t> usable_;

@@ -108,7 +108,7 @@ std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
   // counts. Of a result texel: the set, and the field with what the search needs.
   constexpr std::int64_t kFloat = 4, kSearch = 200, kField = 60;
   return source * (3 * kFloat * channels * terms + kSearch) +
-         result * (kFloat * channels * terms + kField) + nearnessBytes(set.size(), size);
+         result * (kFloat * channels * terms + kField);
 }
 
 Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,

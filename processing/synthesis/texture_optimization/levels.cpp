@@ -133,17 +133,18 @@ std::vector<std::int32_t> scattered(SizePx source, SizePx target,
 
 std::vector<std::int32_t> refined(const std::vector<std::int32_t>& coarse, SizePx coarse_source,
                                   SizePx coarse_target, SizePx source, SizePx target, int reach) {
+  const int times = coarse_source == source ? 1 : 2;
   std::vector<std::int32_t> out;
   out.reserve(static_cast<std::size_t>(target.width) * static_cast<std::size_t>(target.height));
   for (int y = 0; y < target.height; ++y)
     for (int x = 0; x < target.width; ++x) {
-      const int cx = std::min(x / 2, coarse_target.width - 1),
-                cy = std::min(y / 2, coarse_target.height - 1);
+      const int cx = std::min(x / times, coarse_target.width - 1),
+                cy = std::min(y / times, coarse_target.height - 1);
       const std::int32_t centre =
           coarse[static_cast<std::size_t>(cy) * static_cast<std::size_t>(coarse_target.width) +
                  static_cast<std::size_t>(cx)];
-      const int sx = centre % coarse_source.width * 2 + x % 2,
-                sy = centre / coarse_source.width * 2 + y % 2;
+      const int sx = centre % coarse_source.width * times + x % times,
+                sy = centre / coarse_source.width * times + y % times;
       out.push_back(std::clamp(sy, reach, source.height - 1 - reach) * source.width +
                     std::clamp(sx, reach, source.width - 1 - reach));
     }

@@ -32,7 +32,8 @@ bool holdsPatch(const std::vector<std::uint8_t>& usable, SizePx size, int patch)
 std::vector<std::int32_t> scattered(SizePx source, SizePx target,
                                     const patch::FieldOptions& options);
 
-// The coarser level's centres, each for four patches.
+// The coarser level's centres, each for four patches; or those of this level. All moved inside, to
+// centres of whole patches.
 std::vector<std::int32_t> refined(const std::vector<std::int32_t>& coarse, SizePx coarse_source,
                                   SizePx coarse_target, SizePx source, SizePx target, int reach);
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "processing/image/random.h"
+#include "processing/synthesis/texture_optimization/layout.h"
 #include "processing/synthesis/texture_optimization/levels.h"
 
 namespace patina::texture_optimization {
@@ -16,12 +17,12 @@ namespace {
 // uses are uneven there for good: the energy ends 5 % higher, the variance 3 % lower.
 constexpr double kCoarseUniformity = 3;
 
-// Where landmarks go is decided there too, and what lies apart stays apart. Weighed more, the same
-// places still lie no farther apart, and patches fit less well.
-constexpr double kNearness = 0.4;
-constexpr int kNearnessSidePx = 64;
+// Parts of the sample are laid out on a level of 24 to 47 texels: below it patches show no more
+// than half of the sample.
+constexpr int kLayoutSidePx = 24;
 
-// Most of the time goes into the two finest levels, most of the gain comes from their first rounds.
+// Most of the time goes into the two finest levels, most of the gain comes from their first rounds;
+// not where they are the first that are searched.
 constexpr int kQuickFinestRounds = 1, kQuickNextRounds = 2, kQuickCoarseRounds = 6;
 
 [[noreturn]] void refuse(const std::string& what) { throw ProcessingError(Exit::kUsage, what); }
@@ -46,10 +47,10 @@ int levelsFor(SizePx source, const OptimizeOptions& options, const Constraints& 
   }
 }
 
-int roundsOn(int level, const OptimizeOptions& options) {
+int roundsOn(int level, int first, const OptimizeOptions& options) {
   if (options.effort == Effort::kFull) return options.rounds;
   constexpr int kQuick[] = {kQuickFinestRounds, kQuickNextRounds, kQuickCoarseRounds};
-  return std::min(options.rounds, kQuick[std::min(level, 2)]);
+  return std::min(options.rounds, kQuick[level == first ? 2 : std::min(level, 2)]);
 }
 
 void checkGuides(SizePx source, const OptimizeOptions& options, const Constraints& constraints) {
@@ -75,6 +76,60 @@ void checkMasks(SizePx source, const OptimizeOptions& options, const Constraints
     refuse("what is kept is not of the result's size, " + text(options.size));
 }
 
+// A sample and what limits its result, on one level.
+struct Level {
+  SizePx source_size, target_size;
+  Image<std::int16_t> source, guide;
+  std::vector<std::uint8_t> usable;
+  std::vector<std::int32_t> kept;
+};
+Level levelOf(int level, const patch::CompactFeatures& compact, SizePx size,
+              const Constraints& constraints) {
+  const SizePx whole = compact.texels.size(), source = halved(whole, level),
+               target = halved(size, level);
+  return {.source_size = source,
+          .target_size = target,
+          .source = averaged(compact.texels, source),
+          .guide = averaged(compact.guide, target),
+          .usable = allBeneath(constraints.usable, whole, source),
+          .kept = keptBeneath(constraints.kept, size, target, whole, source)};
+}
+
+// What is shown before the first search, and the level it stands on.
+struct Shown {
+  SizePx source_size, target_size;
+  std::vector<std::int32_t> centres;
+};
+struct Beginning {
+  int level;  // that is searched first
+  bool joined;
+  Shown shown;
+};
+Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptions& options,
+                      const Constraints& constraints, Progress& progress) {
+  const SizePx whole = compact.texels.size();
+  const int coarsest = levelsFor(whole, options, constraints) - 1;
+  int level = coarsest;
+  const auto side = [&] {
+    const SizePx size = halved(whole, level);
+    return std::min(size.width, size.height);
+  };
+  while (level > 0 && side() < kLayoutSidePx) --level;
+  // A guide says itself what goes where.
+  if (compact.guide.empty()) {
+    const Level there = levelOf(level, compact, options.size, constraints);
+    std::vector<std::int32_t> centres =
+        laidOut(there.source.view(), there.target_size,
+                {.wraps = options.field.wraps, .usable = there.usable, .kept = there.kept},
+                options.field.seed, progress);
+    if (!centres.empty())
+      return {
+          std::max(level - 1, 0), true, {there.source_size, there.target_size, std::move(centres)}};
+  }
+  const SizePx source = halved(whole, coarsest), target = halved(options.size, coarsest);
+  return {coarsest, false, {source, target, scattered(source, target, options.field)}};
+}
+
 }  // namespace
 
 void OptimizeOptions::check(SizePx source) const {
@@ -98,11 +153,12 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
   options.check(whole);
   checkGuides(whole, options, constraints);
   checkMasks(whole, options, constraints);
-  const bool guided = !constraints.result_guide.empty();
   const patch::CompactFeatures compact = patch::compactFeatures(
       features, {constraints.sample_guide.view(), constraints.result_guide.view()},
       options.components, options.field.patch, progress);
+  const bool guided = !compact.guide.empty();
   const int guide_channels = guided ? compact.guide.channels() : 0;
+  Beginning beginning = beginningOf(compact, options, constraints, progress);
   OptimizedField out{.size = options.size,
                      .source = whole,
                      .patch = options.field.patch,
@@ -112,67 +168,49 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
                      .gain = {},
                      .energy = {},
                      .left_out = compact.left_out,
-                     .levels = levelsFor(whole, options, constraints)};
+                     .levels = beginning.level + 1};
   // Work of a level grows with its texels.
   const auto work = [&](int level) {
     return std::max<std::int64_t>(1, (std::int64_t{1} << 20) >> (2 * level));
   };
   std::int64_t total = 0;
-  for (int level = 0; level < out.levels; ++level) total += work(level) * roundsOn(level, options);
+  const auto rounds = [&](int level) { return roundsOn(level, out.levels - 1, options); };
+  for (int level = 0; level < out.levels; ++level) total += work(level) * rounds(level);
   progress.begin("optimising", total);
 
   std::unique_ptr<patch::NearestField> coarse;
-  SizePx coarse_source, coarse_target;
-  for (int level = out.levels - 1; level >= 0; --level) {
-    const SizePx source_size = halved(whole, level), target_size = halved(options.size, level);
-    const Image<std::int16_t> source = averaged(compact.texels, source_size),
-                              guide = averaged(compact.guide, target_size);
-    const std::vector<std::uint8_t> usable = allBeneath(constraints.usable, whole, source_size);
-    const std::vector<std::int32_t> kept =
-        keptBeneath(constraints.kept, options.size, target_size, whole, source_size);
+  Shown& shown = beginning.shown;
+  for (int level = beginning.level; level >= 0; --level) {
+    const Level here = levelOf(level, compact, options.size, constraints);
     patch::FieldOptions field_options = options.field;
     if (level > 0) field_options.uniformity *= kCoarseUniformity;
-    if (std::min(source_size.width, source_size.height) <= kNearnessSidePx)
-      field_options.nearness = kNearness * options.field.uniformity;
     field_options.seed = hashSeed(options.field.seed, static_cast<std::uint64_t>(level));
     const bool quick = options.effort == Effort::kQuick && level == 0;
     auto own = std::make_unique<patch::NearestField>(
-        source.view(), compact.scale, target_size, field_options,
-        patch::FieldLimits{.usable = usable,
-                           .kept = kept,
-                           .guide = guide.view(),
+        here.source.view(), compact.scale, here.target_size, field_options,
+        patch::FieldLimits{.usable = here.usable,
+                           .kept = here.kept,
+                           .guide = here.guide.view(),
                            .coarse = quick ? coarse.get() : nullptr});
     patch::NearestField& field = *own;
-    field.start(level == out.levels - 1
-                    ? scattered(source_size, target_size, options.field)
-                    : refined(out.centres, coarse_source, coarse_target, source_size, target_size,
-                              options.field.patch / 2));
-    if (coarse != nullptr && !guided) field.wakeSeams();
+    field.start(refined(shown.centres, shown.source_size, shown.target_size, here.source_size,
+                        here.target_size, options.field.patch / 2));
+    if (beginning.joined && !guided) field.wakeSeams();
+    beginning.joined = true;
     field.vote();
-    for (int round = 0; round < roundsOn(level, options); ++round) {
+    for (int round = 0; round < rounds(level); ++round) {
       for (int pass = 0; pass < options.passes; ++pass) field.search(round * options.passes + pass);
       field.vote();
       progress.step(work(level));
     }
     out.energy = field.energy();
-    out.centres = field.centres();
-    coarse_source = source_size;
-    coarse_target = target_size;
+    shown = {here.source_size, here.target_size, field.centres()};
     coarse = std::move(own);
   }
+  out.centres = std::move(shown.centres);
   out.gain =
       contrastLost(compact.texels.view(), compact.texels.channels() - guide_channels, out.votes());
   return out;
-}
-
-std::int64_t nearnessBytes(SizePx source, SizePx size) {
-  int level = 0;
-  const auto side = [&] {
-    const SizePx there = halved(source, level);
-    return std::min(there.width, there.height);
-  };
-  while (side() > kNearnessSidePx) ++level;
-  return patch::Nearness::bytes(halved(source, level), halved(size, level));
 }
 
 Image<float> shown(ImageView<const float> source, const OptimizedField& field) {

@@ -3,8 +3,8 @@
 // result the patch of the sample that is most like it, then let all patches over a texel vote for
 // it. Where we depart from Meister et al. 2021: levels are averages, not point samples; distances
 // are integers on a few principal components; uses are counted exactly (patch/nearest_field.h) and
-// weigh more on coarse levels, where copies of a place are kept apart too (patch/nearness.h); the
-// last vote keeps its contrast (sharp_vote.h).
+// weigh more on coarse levels; on the coarsest, blocks are laid out so that copies of a place lie
+// apart (layout.h); the last vote keeps its contrast (sharp_vote.h).
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ namespace patina::texture_optimization {
 
 enum class Effort {
   kFull,
-  kQuick,  // 1 round on the finest level, with no index of its own there, 2 on the next, then 6: 3
-           // to 12 % more energy in half the time
+  kQuick,  // 1 round on the finest level, with no index of its own there, 2 on the next, then 6, and
+           // on the first in any case: 3 to 12 % more energy in half the time
 };
 
 struct OptimizeOptions {
@@ -45,7 +45,7 @@ struct OptimizedField {
   VoteGain gain;
   patch::FieldEnergy energy;  // on the compared components
   double left_out = 0;        // share of the features' variance that they leave out
-  int levels = 0;
+  int levels = 0;             // that were searched
 
   patch::Votes votes() const { return {centres, size, source.width, patch / 2, wraps, kept}; }
 };
@@ -56,9 +56,6 @@ struct OptimizedField {
 // patch, guides of other sizes; kBadData for values that are no numbers.
 OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& options,
                         const Constraints& constraints, Progress& progress);
-
-// Bytes that copies kept apart take at most: of one level of the sample, 64 texels wide.
-std::int64_t nearnessBytes(SizePx source, SizePx size);
 
 // What the field shows of `source` [h][w][c], its contrast kept.
 Image<float> shown(ImageView<const float> source, const OptimizedField& field);

@@ -72,15 +72,14 @@ OptimizedField optimizeTtf(const ttf::TtfReader& input, const OptimizeOptions& o
 
 std::int64_t pictureBytes(SizePx sample, int channels, SizePx size) {
   return texelsOf(sample) * (3 * kFloatBytes * channels + kSearchBytes) +
-         texelsOf(size) * (kFloatBytes * channels + kFieldBytes) + nearnessBytes(sample, size);
+         texelsOf(size) * (kFloatBytes * channels + kFieldBytes);
 }
 
 std::int64_t ttfBytes(const ttf::TtfInfo& info, SizePx size) {
   constexpr std::int64_t kFramesWritten = 8;
   return texelsOf({info.width, info.height}) *
              (kFloatBytes * info.channels * info.frames + kSearchBytes) +
-         texelsOf(size) * (kFramesWritten * kFloatBytes * info.channels + kFieldBytes) +
-         nearnessBytes({info.width, info.height}, size);
+         texelsOf(size) * (kFramesWritten * kFloatBytes * info.channels + kFieldBytes);
 }
 
 }  // namespace patina::texture_optimization
