@@ -81,6 +81,9 @@ class ArchiveFrames final : public ttf::FrameSource {
   // What noise the numbers of these frames carry; nothing without a photon transfer that fits. For
   // a frame as given, a number is 1 / range() of full scale.
   std::optional<calibration::NoiseModels> noise() const;
+  // The mosaic of raw files, where frames of one size are given: each pixel's own colour is the
+  // sensor's sample then, the others are mixed from neighbours. Decodes a file.
+  std::optional<std::array<std::uint8_t, 4>> filters() const;
   std::vector<db::FrameRow> rows() const;  // of the frames, in order
 
  private:

@@ -126,6 +126,11 @@ std::optional<EvenLight> FrameChain::whiteLight(const calibration::CalibrationKe
 
 SizePx FrameChain::size() const { return rectify_ ? rectify_->map.size() : frames_.report().size; }
 
+std::optional<std::array<std::uint8_t, 4>> FrameChain::filters() const {
+  if (rectify_ || registered_ || colour_) return std::nullopt;
+  return frames_.filters();
+}
+
 void FrameChain::addOptions(Facts& options) const {
   const FramesReport& frames = frames_.report();
   options.text("camera", frames.camera);

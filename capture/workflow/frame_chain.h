@@ -44,6 +44,9 @@ class FrameChain {
   std::optional<double> whiteLevel() const { return white_level_; }
   const std::optional<RectifyMap>& rectification() const { return rectify_; }
   std::optional<calibration::NoiseModels> noise() const { return frames_.noise(); }
+  // The mosaic whose samples frames still hold, each in its pixel's own colour; nothing where they
+  // are resampled or their colours mixed.
+  std::optional<std::array<std::uint8_t, 4>> filters() const;
   double mmPerTexel() const { return rectify_ ? rectify_->mm_per_texel : 0; }  // 0: not known
   // What changes the result, but for the pictures' calibrations, which follow by addInputs().
   void addOptions(Facts& options) const;

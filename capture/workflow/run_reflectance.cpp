@@ -6,7 +6,7 @@
 
 #include "capture/workflow/failure.h"
 #include "capture/workflow/folder_lock.h"
-#include "capture/workflow/sweep_texels.h"
+#include "capture/workflow/sweep_fit.h"
 
 namespace patina::workflow {
 namespace {
@@ -80,7 +80,9 @@ class RunFit {
   // A set that is finished, and what is none, is not written into.
   void refuseOther() const {
     if (request_.out.empty() || !fs::exists(outcome_.set) || fs::is_empty(outcome_.set)) return;
-    if (fs::exists(outcome_.set / "manifest.json") || !brdf::brdfStepIsThere(outcome_.set, 0))
+    const bool begun =
+        brdf::brdfStepIsThere(outcome_.set, 0) || fs::exists(outcome_.set / "pixels");
+    if (fs::exists(outcome_.set / "manifest.json") || !begun)
       throw WorkflowError(Exit::kCannotCreate, outcome_.set.string() + " is there already");
   }
 
@@ -98,12 +100,13 @@ class RunFit {
   void prepare(const Sweeps& sweeps) {
     const FrameChain& chain = sweeps.chain(0);
     const SizePx whole = chain.size();
-    region_ = regionOf(whole);
+    fit_.bin = request_.bin;
+    fit_.region = regionOf(whole);
     const double mm = chain.mmPerTexel() > 0 ? chain.mmPerTexel() : request_.mm_per_pixel;
     mm_per_texel_ = mm * request_.bin;
     outcome_.mm_per_texel = mm_per_texel_;
-    double x_mm = (region_.x + region_.width / 2.0 - whole.width / 2.0) * mm,
-           y_mm = (whole.height / 2.0 - region_.y - region_.height / 2.0) * mm;
+    double x_mm = (fit_.region.x + fit_.region.width / 2.0 - whole.width / 2.0) * mm,
+           y_mm = (whole.height / 2.0 - fit_.region.y - fit_.region.height / 2.0) * mm;
     if (const auto& rectified = chain.rectification()) {
       x_mm += rectified->region.left + rectified->region.width / 2;
       y_mm += rectified->region.bottom + rectified->region.height / 2;
@@ -117,11 +120,15 @@ class RunFit {
     light_calibrations_ = found.used;
     outcome_.warnings.insert(outcome_.warnings.end(), found.left.begin(), found.left.end());
     warnOfWhite();
-    options_ = request_.fit;
-    options_.mm_per_texel = mm_per_texel_ > 0 ? static_cast<float>(mm_per_texel_) : 1;
-    options_.saturated = saturatedLevel();
-    if (const auto noise = chain.noise())
-      options_.noise = noiseOfTexels((*noise)[1], states_, request_.bin);
+    brdf::MultiLightOptions& options = fit_.options = request_.fit;
+    options.mm_per_texel = mm > 0 ? static_cast<float>(mm) : 1;
+    options.saturated = saturatedLevel();
+    options.neighbour_px = std::min(request_.fit.neighbour_px * request_.bin, 256);
+    if (const auto noise = chain.noise()) options.noise = noiseOfPixels((*noise)[1], fit_.states);
+    if (const auto filters = chain.filters())
+      options.filters = filtersAt(*filters, fit_.region.x, fit_.region.y);
+    if (request_.earlier_steps && options.model != brdf::Model::kLambert)
+      fit_.pixels = outcome_.set / "pixels";
   }
 
   // A lamp of unknown distance over texels of unknown size is as far away as can be.
@@ -143,7 +150,7 @@ class RunFit {
     if (!by_card && found.strength_known) how = "white by its strength";
     outcome_.lights.push_back(found.state + ": " + found.from + "; " + how);
     if (!found.sha256.empty()) light_sha256s_.push_back(found.sha256);
-    states_.push_back(state);
+    fit_.states.push_back(state);
   }
 
   void warnOfWhite() {
@@ -163,7 +170,7 @@ class RunFit {
   float saturatedLevel() const {
     if (!request_.frames.registration) return 1e6f;
     double least = HUGE_VAL;
-    for (const StateLight& state : states_) least = std::min(least, 1 / state.white_level);
+    for (const StateLight& state : fit_.states) least = std::min(least, 1 / state.white_level);
     return static_cast<float>(0.98 * least);
   }
 
@@ -172,25 +179,27 @@ class RunFit {
     making_ = {request_.command, {}, 0, request_.version, {}};
     sweeps.chain(0).addOptions(making_.options);
     Facts& options = making_.options;
-    options.text("model", brdf::nameOf(options_.model)).set("lights", outcome_.lights);
-    options.count("states", static_cast<std::int64_t>(states_.size()));
-    options.text("region", rectText(region_)).number("mm_per_texel", mm_per_texel_);
+    options.text("model", brdf::nameOf(fit_.options.model)).set("lights", outcome_.lights);
+    options.count("states", static_cast<std::int64_t>(fit_.states.size()));
+    options.text("region", rectText(fit_.region)).number("mm_per_texel", mm_per_texel_);
     options.count("bin", request_.bin);
+    options.set("mosaic", fit_.options.filters.has_value());
     options.number("white_level", request_.white_level);
-    options.set("neighbours", options_.neighbours).set("earlier_steps", request_.earlier_steps);
-    options.number("noise_floor", options_.noise.floor).number("noise_shot", options_.noise.shot);
-    options.number("noise_gain", options_.noise.gain);
-    options.number("specular_spread", options_.specular_spread);
+    options.set("neighbours", fit_.options.neighbours).set("earlier_steps", request_.earlier_steps);
+    options.number("noise_floor", fit_.options.noise.floor)
+        .number("noise_shot", fit_.options.noise.shot);
+    options.number("noise_gain", fit_.options.noise.gain);
+    options.number("specular_spread", fit_.options.specular_spread);
     common_ = request_.version + "\n";
     Facts common;  // the masters of a step are those bound to its own frames
     for (const auto& [key, value] : options.all())
       if (key != "masters") common.set(key, value);
     common_.append(common.json()).append("\n");
-    for (std::size_t i = 0; i < states_.size(); ++i) {
-      const brdf::SurfaceLight& light = states_[i].light;
+    for (std::size_t i = 0; i < fit_.states.size(); ++i) {
+      const brdf::SurfaceLight& light = fit_.states[i].light;
       for (const float v : {light.direction.x, light.direction.y, light.direction.z,
                             light.position_mm.x, light.position_mm.y, light.position_mm.z,
-                            light.strength, static_cast<float>(states_[i].white_level)})
+                            light.strength, static_cast<float>(fit_.states[i].white_level)})
         common_.append(std::to_string(v)).append(" ");
       addCalibrations(sweeps.chain(i));
     }
@@ -237,7 +246,7 @@ class RunFit {
 
   brdf::BrdfSetInfo infoOf(std::size_t steps) const {
     brdf::BrdfSetInfo info;
-    info.model = options_.model;
+    info.model = fit_.options.model;
     if (info.model == brdf::Model::kTorranceSparrow) info.roughness = brdf::RoughnessKind::kSigma;
     for (std::size_t k = 0; k < steps; ++k) info.times.push_back(plan_.steps[k].time_s);
     return info;
@@ -250,39 +259,18 @@ class RunFit {
   }
 
   void fitStep(std::size_t step, const SweepPictures& sweep) {
-    std::vector<Image<float>> pictures;
-    std::vector<brdf::FitSample> samples;
-    for (const SweepPicture& one : sweep.pictures)
-      pictures.push_back(texelsUnder(states_[one.state], one.linear.view(), region_, request_.bin,
-                                     options_.mm_per_texel));
-    for (std::size_t i = 0; i < pictures.size(); ++i)
-      samples.push_back({pictures[i].view(), states_[sweep.pictures[i].state].light, {0, 0, 1}});
-    const brdf::BrdfMaps earlier = mapsBefore(step);
-    std::vector<brdf::FitBefore> before;
-    if (!earlier.roughness.empty())
-      before.push_back({earlier.specular.view(), earlier.roughness.view(),
-                        earlier.extra.at("Confidence").view()});
-    brdf::MultiLightFit fit = brdf::fitManyLights(samples, options_, before, progress_);
+    const brdf::MultiLightFit fit = fitSweep(fit_, sweep, static_cast<int>(step), progress_);
     brdf::BrdfSetInfo info = infoOf(plan_.steps.size());
     info.facts.text("made_of_sha256", stepPrint(step));
     info.facts.count("step", plan_.steps[step].number);
-    info.facts.count("lights", static_cast<std::int64_t>(samples.size()));
+    info.facts.count("lights", static_cast<std::int64_t>(sweep.pictures.size()));
     info.facts.number("residual_rms", fit.report.residual_rms);
     brdf::writeBrdfStep(outcome_.set, info, static_cast<int>(step), fit.maps);
-    keepStep(step, true, fit.report, samples.size());
-  }
-
-  // From the disk, so that a fit that was stopped goes on with the same numbers.
-  brdf::BrdfMaps mapsBefore(std::size_t step) const {
-    if (step == 0 || !request_.earlier_steps || options_.model == brdf::Model::kLambert) return {};
-    brdf::BrdfMaps maps =
-        brdf::readBrdfMaps(outcome_.set, infoOf(step), static_cast<int>(step) - 1);
-    if (!maps.extra.contains("Confidence")) return {};
-    return maps;
+    keepStep(step, true, fit.report, sweep.pictures.size());
   }
 
   void finish(const Sweeps& sweeps, UtcTime now) {
-    for (std::size_t i = 0; i < states_.size(); ++i) {
+    for (std::size_t i = 0; i < fit_.states.size(); ++i) {
       const FrameChain& chain = sweeps.chain(i);
       for (const std::string& used : chain.calibrations())
         if (std::ranges::find(outcome_.calibrations, used) == outcome_.calibrations.end())
@@ -304,6 +292,7 @@ class RunFit {
     std::vector<double> numbers;
     for (const SweepStep& step : plan_.steps) numbers.push_back(static_cast<double>(step.number));
     info.facts.set("steps", numbers);
+    fs::remove_all(outcome_.set / "pixels");
     brdf::finishBrdfSet(outcome_.set, info);
     record(now);
   }
@@ -327,12 +316,10 @@ class RunFit {
   const SweepPlan plan_;
   std::string id_;
   RunReflectanceOutcome outcome_;
-  RectPx region_;
+  SweepFit fit_;
   double mm_per_texel_ = 0;
-  std::vector<StateLight> states_;
   std::vector<RunCalibration> light_calibrations_;
   std::vector<std::string> light_sha256s_;
-  brdf::MultiLightOptions options_;
   Making making_;
   std::map<db::RowId, std::vector<db::RowId>> bound_;  // calibrations of each frame
   std::string common_, print_before_;

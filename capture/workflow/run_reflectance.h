@@ -24,11 +24,11 @@ struct RunReflectanceRequest {
   RigLamps rig;
   std::optional<RectPx> region;  // of the frames, where they are not rectified; nothing: all
   double mm_per_pixel = 0;       // where they are not rectified; 0: not known, lamps are distant
-  // A texel is the mean of so many pixels squared: what colours of a mosaic were mixed from lies
-  // within it then.
+  // A texel is the mean of so many pixels squared, each fitted by itself.
   int bin = 1;
   brdf::MultiLightOptions fit{};  // `noise` is the camera's, where its photon transfer is known
-  bool earlier_steps = true;      // hold gloss to that of the step before
+  // Hold every pixel's gloss to that of the step before: where little changes between two.
+  bool earlier_steps = false;
   // Only steps whose successor is there too; the set is finished by a later call.
   bool so_far = false;
   std::filesystem::path out;  // empty: inside the archive

@@ -82,6 +82,11 @@ class SensorChain {
   void prepareToMerge();
   const Report& report() const { return report_; }
   const std::vector<db::FrameCalibrationRow>& bindings() const { return bindings_; }
+  // Colours of the mosaic that the files hold; of frames given, each pixel's own is the sensor's
+  // sample. Nothing of developed files.
+  std::optional<calibration::ColourFilters> filters() const {
+    return mosaic_ ? std::optional(filters_) : std::nullopt;
+  }
   // Of the first frame that has one; in numbers of the raw files.
   const std::optional<calibration::NoiseModels>& noise() const { return noise_; }
 

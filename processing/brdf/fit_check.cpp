@@ -57,7 +57,7 @@ void MultiLightOptions::check() const {
   need(mm_per_texel > 0, "mm_per_texel is above 0");
   need(rounds >= 1 && rounds <= 10, "rounds lies between 1 and 10");
   need(steps >= 1 && steps <= 50, "steps lies between 1 and 50");
-  need(neighbour_px >= 1 && neighbour_px <= 64, "neighbour_px lies between 1 and 64");
+  need(neighbour_px >= 1 && neighbour_px <= 256, "neighbour_px lies between 1 and 256");
   need(like_colour > 0, "like_colour is above 0");
   need(specular_spread > 0 && specular_spread <= 1, "specular_spread lies above 0, up to 1");
 }

@@ -27,6 +27,7 @@ struct Samples {
   std::vector<Lane> noise;                        // 1 / sigma^2; 0: clipped or unknown
   std::vector<Lane> weight;                       // noise times what the residual says
   std::vector<Vec3> view;
+  Lane shadowed;  // above 0: from many lamps, so what lies below the prediction is shadow
   std::vector<Lane> a, g, g_1, g_2, g_u;  // scratch: diffuse part, lobe and its slopes, times E
 };
 
@@ -35,6 +36,7 @@ struct Estimate {
   Lane nx, ny, nz, u;  // u = ln r
   Lane kd, ks;
 };
+void takeEstimate(Estimate& to, const Estimate& from, int k);  // of lane k
 struct Prior {
   Lane u, u_weight, ks, ks_weight;  // weight = 1 / variance
 };
@@ -88,6 +90,11 @@ void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& p
 // Rounds of weights and steps. `equations` are those of the end.
 void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
             Equations& equations);
+constexpr int kFewestLit = 5;  // levels: of fewer anything is explained
+// Where much is not met: the same from a mirror's normal, and with all but the brightest levels
+// taken for shadow; the one that costs least, if kFewestLit levels count. After refine().
+void tryRivals(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
+               Equations& equations);
 // From residuals at `at`, for which evaluate() has just been called.
 void reweigh(Samples& samples, const Estimate& at);
 

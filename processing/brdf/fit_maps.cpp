@@ -42,8 +42,9 @@ float likeness(std::span<const float> a, std::span<const float> b, float like_co
 template <class Body>
 void forAlike(const FitState& state, int x, int y, const MultiLightOptions& options,
               const Body& body) {
-  const int reach = options.neighbours ? options.neighbour_px : 0,
-            step = std::max(1, reach / kRingsOfNeighbours);
+  const int reach = options.neighbours ? options.neighbour_px : 0;
+  int step = std::max(1, reach / kRingsOfNeighbours);
+  if (options.filters) step += step & 1;  // to pixels of the same colour
   const auto own = state.look.view().texel(x, y);
   for (int dy = -reach; dy <= reach; dy += step)
     for (int dx = -reach; dx <= reach; dx += step) {
@@ -165,6 +166,8 @@ FitState::FitState(SizePx s, int channels)
       log_r(s.width, s.height, 1),
       confidence(s.width, s.height, 1),
       residual(s.width, s.height, 1),
+      told(s.width, s.height, 1),
+      shadowed(s.width, s.height, 1),
       spread2(s.width, s.height, 1, 1.0f),
       common(s.width, s.height, 1),
       look(s.width, s.height, channels),

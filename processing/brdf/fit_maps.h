@@ -20,9 +20,11 @@ struct FitState {
   Image<float> specular_weight;    // 1 / variance, by the texel's own lights and the prior of ln r
   Image<float> grey_diffuse, grey_specular, log_r;
   Image<float> confidence, residual;
-  Image<float> spread2;  // of the residuals, in units of the noise, at least 1
-  Image<float> common;   // share of the noise that a picture's texels have together
-  Image<float> look;     // [h][w][channels]: levels over irradiance, known whatever the gloss
+  Image<std::uint8_t> told, shadowed;  // five levels count; most lamps do not reach it
+  Image<float> spread2;                // of the residuals, in units of the noise, at least 1
+  Image<float> common;                 // share of the noise that a picture's texels have together
+  Image<float>
+      look;  // [h][w][channels], of a mosaic [3]: levels over irradiance, known whatever the gloss
   // [h][w][kCurve], by roughness: cost in units of the texel's spread, and the specular reflectance
   Image<float> curve, curve_specular;
 };

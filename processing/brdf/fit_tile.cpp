@@ -17,6 +17,7 @@ FitTile::FitTile(const std::vector<FitSample>& samples, const MultiLightOptions&
 }
 
 void FitTile::load(int x0, int y) {
+  lanes_.shadowed = {};
   for (std::size_t i = 0; i < from_.size(); ++i) {
     const FitSample& sample = from_[i];
     LightRay ray = rayAt(sample.light, sample.view, 0, 0);

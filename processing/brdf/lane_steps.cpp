@@ -12,6 +12,7 @@ namespace {
 constexpr float kCauchy = 2.4f;       // of the texel's own spread
 constexpr float kShadowShare = 0.6f;  // of the prediction, and
 constexpr float kShadowSpread = 6;    // spreads below it: cast shadow
+constexpr float kPartSigma = 4;       // of a texel known to be in shadow of many lamps: in part
 constexpr float kAttached = 0.02f;    // n.l from which light counts
 constexpr float kTurnMost = 0.25f;    // rad a step
 constexpr float kScaleMost = 0.7f;    // of ln r a step
@@ -51,21 +52,13 @@ Estimate stepFrom(const Estimate& at, const Tangents& t, const Equations& q, con
   return to;
 }
 
-void takeLane(Lane& to, const Lane& from, int k) { to[k] = from[k]; }
-
-void takeEstimate(Estimate& to, const Estimate& from, int k) {
-  for (auto part :
-       {&Estimate::nx, &Estimate::ny, &Estimate::nz, &Estimate::u, &Estimate::kd, &Estimate::ks})
-    takeLane(to.*part, from.*part, k);
-}
-
 void takeEquations(Equations& to, const Equations& from, int k) {
   for (auto part :
        {&Equations::cost, &Equations::h11, &Equations::h12, &Equations::h1u, &Equations::h22,
         &Equations::h2u, &Equations::huu, &Equations::b1, &Equations::b2, &Equations::bu,
         &Equations::aa, &Equations::ab, &Equations::bb, &Equations::a1, &Equations::a2,
         &Equations::au, &Equations::g1, &Equations::g2, &Equations::gu})
-    takeLane(to.*part, from.*part, k);
+    (to.*part)[k] = (from.*part)[k];
 }
 
 float predicted(const Samples& s, const Estimate& at, std::size_t i, int k) {
@@ -74,6 +67,12 @@ float predicted(const Samples& s, const Estimate& at, std::size_t i, int k) {
 }
 
 }  // namespace
+
+void takeEstimate(Estimate& to, const Estimate& from, int k) {
+  for (auto part :
+       {&Estimate::nx, &Estimate::ny, &Estimate::nz, &Estimate::u, &Estimate::kd, &Estimate::ks})
+    (to.*part)[k] = (from.*part)[k];
+}
 
 void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& prior) {
   constexpr float kTried[] = {0.05f, 0.09f, 0.16f, 0.28f, 0.5f, 0.85f};
@@ -125,13 +124,15 @@ void reweigh(Samples& samples, const Estimate& at) {
     if (sorted.empty()) continue;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    const float spread = std::max(1.4826f * *middle, 1.0f);
+    const bool strict = samples.shadowed[k] > 0;
+    const float spread = strict ? 1.0f : std::max(1.4826f * *middle, 1.0f);
     for (std::size_t i = 0; i < samples.count; ++i) {
       const float n_l =
           at.nx[k] * samples.lx[i][k] + at.ny[k] * samples.ly[i][k] + at.nz[k] * samples.lz[i][k];
       const bool attached = n_l < kAttached;
-      const bool cast = samples.y[i][k] < kShadowShare * predicted(samples, at, i, k) &&
-                        off[i] < -kShadowSpread * spread;
+      const bool cast = strict ? off[i] < -kPartSigma
+                               : samples.y[i][k] < kShadowShare * predicted(samples, at, i, k) &&
+                                     off[i] < -kShadowSpread * spread;
       const float c = off[i] / (kCauchy * spread);
       samples.weight[i][k] = attached || cast ? 0 : samples.noise[i][k] / (1 + c * c);
     }

@@ -9,6 +9,7 @@
 #include "processing/brdf/fit_check.h"
 #include "processing/brdf/fit_maps.h"
 #include "processing/brdf/fit_tile.h"
+#include "processing/image/linear_mosaic.h"
 #include "processing/image/parallel_rows.h"
 
 namespace patina::brdf {
@@ -40,9 +41,11 @@ struct Counts {
 
 class Fitter {
  public:
-  Fitter(const std::vector<FitSample>& samples, const MultiLightOptions& options)
+  // `rivals`: whether what is not met is begun anew.
+  Fitter(const std::vector<FitSample>& samples, const MultiLightOptions& options, bool rivals)
       : samples_(samples),
         options_(options),
+        rivals_(rivals),
         state_(samples[0].picture.size(), samples[0].picture.channels),
         rows_(static_cast<std::size_t>(state_.size.height)) {}
 
@@ -63,6 +66,7 @@ class Fitter {
           if (glossy()) {
             lanes::scanRoughness(options_.model, tile.lanes(), at, prior);
             lanes::refine(first, tile.lanes(), at, prior, q);
+            if (rivals_) lanes::tryRivals(first, tile.lanes(), at, prior, q);
           } else {
             matt(tile.lanes(), at, q);
           }
@@ -139,13 +143,13 @@ class Fitter {
     });
   }
 
-  Estimate startAgain(const FitTile& tile, const PriorMaps& maps, Prior& prior, int x0,
-                      int y) const {
+  Estimate startAgain(FitTile& tile, const PriorMaps& maps, Prior& prior, int x0, int y) const {
     Estimate at;
     for (int k = 0; k < kLanes; ++k) {
       const int x = tile.column(x0, k);
       const auto n = state_.normal.view().texel(x, y);
       at.nx[k] = n[0], at.ny[k] = n[1], at.nz[k] = std::max(n[2], 0.05f);
+      tile.lanes().shadowed[k] = state_.shadowed.at(x, y) ? 1 : 0;
       at.u[k] = state_.log_r.at(x, y);
       at.kd[k] = state_.grey_diffuse.at(x, y);
       at.ks[k] = state_.grey_specular.at(x, y);
@@ -265,6 +269,8 @@ class Fitter {
     counts.used += fit.used;
     counts.square += fit.square;
     state_.residual.at(x, y) = static_cast<float>(std::sqrt(fit.square / std::max(fit.used, 1)));
+    state_.told.at(x, y) = fit.used >= lanes::kFewestLit;
+    state_.shadowed.at(x, y) = s.shadowed[k] > 0;
     state_.spread2.at(x, y) = static_cast<float>(fit.spread2(5));
     state_.common.at(x, y) = static_cast<float>(fit.common());
     auto n = state_.normal.view().texel(x, y);
@@ -310,13 +316,14 @@ class Fitter {
             ks);
       else
         kd = q.aa[k] > 0 ? std::max(ay / q.aa[k], 0.0f) : 0;
-      state_.diffuse.at(x, y, c) = kd;
-      state_.specular.at(x, y, c) = ks;
+      state_.diffuse.at(x, y, c) = s.shadowed[k] > 0 ? std::min(kd, 1.0f) : kd;  // of few levels
+      state_.specular.at(x, y, c) = std::min(ks, 1.0f);
     }
   }
 
   const std::vector<FitSample>& samples_;
   const MultiLightOptions& options_;
+  const bool rivals_;
   FitState state_;
   std::vector<Counts> rows_;
 };
@@ -339,14 +346,18 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   MultiLightOptions first = options;
   if (options.model == Model::kWardAnisotropic) first.model = Model::kWard;
   if (options.model == Model::kTorranceSparrow) first.specular_spread = 1;
-  Fitter fitter(samples, first);
+  // One roughness is not meant to meet what has two.
+  Fitter fitter(samples, first, options.model != Model::kWardAnisotropic);
   fitter.firstPass(progress);
+  FitState& state = fitter.state();
+  if (options.filters)
+    state.look = demosaicLinear(std::as_const(state.look).view(), *options.filters);
   if (options.model != Model::kLambert) holdToNeighbours(fitter, before, first, progress);
   MultiLightFit fit;
   fit.report = fitter.report();
-  FitState& state = fitter.state();
   fit.maps.diffuse = std::move(state.diffuse);
   fit.maps.normal = std::move(state.normal);
+  fit.told = std::move(state.told);
   fit.maps.extra["Residual"] = std::move(state.residual);
   if (options.model == Model::kLambert) return fit;
   fit.maps.specular = std::move(state.specular);

@@ -10,7 +10,9 @@
 // Pereyra 1973, Kaufman's form): kd and ks, the linear part, are solved inside (2x2, not below
 // zero); Levenberg and Marquardt turn the normal and scale the roughness. Weights: the sensor's
 // noise, times Cauchy's of the residual in units of the texel's own spread (inter-reflection).
-// Left out: clipped levels, n.l <= 0 (attached shadow), levels far below the prediction (cast).
+// Left out: clipped levels, n.l <= 0 (attached shadow), levels far below the prediction (cast). A
+// texel that is not met is tried from a mirror's normal, and as one that most lamps do not reach:
+// then all that is darker than predicted is shadow (lane_rivals.cpp).
 // Where a highlight is narrower than the lamps' spacing, ks and r are not known: a second pass
 // holds them to those of like-coloured neighbours (and to `before`, other time steps), each counted
 // by its confidence.
@@ -22,9 +24,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "processing/brdf/brdf_file.h"
+#include "processing/brdf/pixel_maps.h"
 #include "processing/brdf/surface_light.h"
 #include "processing/image/progress.h"
 
@@ -50,12 +54,15 @@ struct MultiLightOptions {
   int rounds = 3;             // of weights, 1 to 10
   int steps = 4;              // of Levenberg and Marquardt a round, 1 to 50
   bool neighbours = true;     // false: after the first pass a texel asks itself and `before` alone
-  int neighbour_px = 16;      // how far it looks, 1 to 64
+  int neighbour_px = 16;      // how far it looks, 1 to 256
   float like_colour = 0.06f;  // difference of diffuse colour that still counts as like
   // How far specular reflectance is expected from 0.04, a dielectric's: what decides where a wide
   // lobe and the diffuse part are one within the noise. Lamps that tell overrule it. (0,1]; not of
   // Torrance and Sparrow's model, whose strength is no reflectance.
   float specular_spread = 0.02f;
+  // Pictures are a mosaic, [h][w][1]: colours of its 2x2 cell. So are the maps of diffuse and
+  // specular colour then (pixel_maps.h); like-looking are neighbours of the same colour.
+  std::optional<Filters> filters;
   void check() const;  // throws ProcessingError(kUsage)
 };
 
@@ -76,6 +83,8 @@ struct MultiLightReport {
 };
 struct MultiLightFit {
   BrdfMaps maps;  // extra: Confidence (of specular and roughness), Residual (RMS of the texel)
+  // [h][w]: 1 where five levels or more counted; else a texel is what little there is.
+  Image<std::uint8_t> told;
   MultiLightReport report;
 };
 

@@ -11,6 +11,11 @@ struct Vec3 {
 };
 
 inline float dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3 operator*(const Vec3& v, float by) { return {v.x * by, v.y * by, v.z * by}; }
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 inline float length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 inline Vec3 normalized(const Vec3& v) {
   const float s = 1.0f / length(v);

@@ -71,4 +71,31 @@ Image<float> demosaicLinear(ImageView<const float> in, const std::array<std::uin
   return out;
 }
 
+Image<float> demosaicDetailed(ImageView<const float> in, const std::array<std::uint8_t, 4>& cfa) {
+  Image<float> out = demosaicLinear(in, cfa);
+  if (!isBayer(cfa)) return out;
+  const auto colourAt = [&](int x, int y) {
+    return cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+  };
+  forEachRow(in.height, std::int64_t{16} * in.width, [&](int y) {
+    if (y < 2 || y + 2 >= in.height) return;
+    for (int x = 2; x + 2 < in.width; ++x) {
+      const auto at = [&](int dx, int dy) { return in.at(x + dx, y + dy); };
+      const float own = at(0, 0), far_x = at(-2, 0) + at(2, 0), far_y = at(0, -2) + at(0, 2),
+                  corners = at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1);
+      const int colour = colourAt(x, y);
+      if (colour == 1) {
+        const float along = (5 * own - far_x - corners + far_y / 2) / 8,
+                    down = (5 * own - far_y - corners + far_x / 2) / 8;
+        out.at(x, y, colourAt(x + 1, y)) += along;
+        out.at(x, y, colourAt(x, y + 1)) += down;
+      } else {
+        out.at(x, y, 1) += (4 * own - far_x - far_y) / 8;
+        out.at(x, y, 2 - colour) += (12 * own - 3 * (far_x + far_y)) / 16;
+      }
+    }
+  });
+  return out;
+}
+
 }  // namespace patina

@@ -13,4 +13,10 @@ namespace patina {
 // `cfa` as there. O(pixels), multi-threaded.
 Image<float> demosaicLinear(ImageView<const float> mosaic, const std::array<std::uint8_t, 4>& cfa);
 
+// The same with the detail that the other colours have there (Malvar, He and Cutler 2004, linear,
+// 5x5): sharper where colours change together. Other mosaics than Bayer's, and the outer two rows
+// and columns, as above.
+Image<float> demosaicDetailed(ImageView<const float> mosaic,
+                              const std::array<std::uint8_t, 4>& cfa);
+
 }  // namespace patina

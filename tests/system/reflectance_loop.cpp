@@ -223,7 +223,8 @@ class Judge {
     ASSERT_EQ(seen.diffuse.size(), want.diffuse.size());
     for (int y = 0; y < want.diffuse.height(); ++y)
       for (int x = 0; x < want.diffuse.width(); ++x) judgeTexel(want, seen, x, y);
-    judgePictures(time, seen, info);
+    judgePictures(time, seen, info, pictures_, &psnr_worst_);
+    judgePictures(time, want, {}, of_truth_, nullptr);
   }
 
   LoopScore score() {
@@ -234,6 +235,7 @@ class Judge {
     out.normal_median_deg = angles_[angles_.size() / 2];
     out.psnr_db = -20 * std::log10(pictures_.rms());
     out.psnr_worst_db = psnr_worst_;
+    out.psnr_truth_db = -20 * std::log10(of_truth_.rms());
     out.told_share = static_cast<double>(told_s_.count) / static_cast<double>(angles_.size());
     out.told_specular_rms = told_s_.rms(), out.told_alpha_rms = told_a_.rms();
     out.sure_share =
@@ -265,7 +267,8 @@ class Judge {
     (sure ? sure_a_ : unsure_a_).add(a * a);
   }
 
-  void judgePictures(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
+  void judgePictures(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info,
+                     RmsOf& all, double* worst_db) const {
     for (const int lamp : left_out_) {
       const Image<float> want = truth_.picture(time, lamp);
       const Image<float> picture =
@@ -274,16 +277,16 @@ class Judge {
       for (std::size_t k = 0; k < want.texels().size(); ++k) {
         const double off =
             std::clamp(picture.texels()[k], 0.0f, 1.0f) - std::clamp(want.texels()[k], 0.0f, 1.0f);
-        own.add(off * off), pictures_.add(off * off);
+        own.add(off * off), all.add(off * off);
       }
-      psnr_worst_ = std::min(psnr_worst_, -20 * std::log10(own.rms()));
+      if (worst_db) *worst_db = std::min(*worst_db, -20 * std::log10(own.rms()));
     }
   }
 
   Truth truth_;
   std::vector<int> used_, left_out_;
   std::vector<brdf::SurfaceLight> lights_;
-  RmsOf diffuse_, pictures_, told_s_, told_a_, sure_s_, sure_a_, unsure_s_, unsure_a_;
+  RmsOf diffuse_, pictures_, of_truth_, told_s_, told_a_, sure_s_, sure_a_, unsure_s_, unsure_a_;
   std::vector<double> angles_;
   double psnr_worst_ = HUGE_VAL;
 };

@@ -27,7 +27,8 @@ struct LoopScore {
   double diffuse_rms = 0, normal_median_deg = 0;
   // PSNR under the lamps that were left out, without cast shadows: of all, and of the worst.
   double psnr_db = 0, psnr_worst_db = 0;
-  double told_share = 0;  // of texels with three lights or more within a lobe's width
+  double psnr_truth_db = 0;  // of the truth's own means: texels are not what one pixel is
+  double told_share = 0;     // of texels with three lights or more within a lobe's width
   double told_specular_rms = 0, told_alpha_rms = 0;
   double sure_share = 0, sure_specular_rms = 0, sure_alpha_rms = 0;  // confidence >= 1/2, told
   double unsure_specular_rms = 0, unsure_alpha_rms = 0;              // the rest

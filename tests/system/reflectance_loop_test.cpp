@@ -36,11 +36,12 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   ASSERT_EQ(run.exit, 0) << run.err;
   const LoopScore s = scoreOf(loop, folder);
   std::printf(
-      "| %s | %.4f | %.2f deg | %.1f dB | %.1f dB | %.2f | %.4f | %.3f | %.2f | %.4f | %.3f | "
+      "| %s | %.4f | %.2f deg | %.1f dB | %.1f dB | %.1f dB | %.2f | %.4f | %.3f | %.2f | %.4f | "
+      "%.3f | "
       "%.4f | %.3f |\n",
       loop.specimen.c_str(), s.diffuse_rms, s.normal_median_deg, s.psnr_db, s.psnr_worst_db,
-      s.told_share, s.told_specular_rms, s.told_alpha_rms, s.sure_share, s.sure_specular_rms,
-      s.sure_alpha_rms, s.unsure_specular_rms, s.unsure_alpha_rms);
+      s.psnr_truth_db, s.told_share, s.told_specular_rms, s.told_alpha_rms, s.sure_share,
+      s.sure_specular_rms, s.sure_alpha_rms, s.unsure_specular_rms, s.unsure_alpha_rms);
   std::fflush(stdout);
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);

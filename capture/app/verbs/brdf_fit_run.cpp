@@ -39,7 +39,6 @@ void takeChoices(RunFitOptions& options) {
   }
   if (request.frames.selection.merged && request.frames.selection.exposure)
     throw AppError(Exit::kUsage, "--hdr takes all exposures of a step: leave out --exposure");
-  request.earlier_steps = !options.each_alone;
 }
 
 Item itemOf(const workflow::FittedStep& step) {
@@ -72,7 +71,7 @@ void addRunFitOptions(Verb& verb, RunFitOptions& options) {
       .option("--texels-per-mm", options.rectification.texels_per_mm, 1e-3, 1e5,
               "With --rectify (default: as many as the picture has pixels)")
       .option("--bin", request.bin, 1, 64,
-              "Of a run: a texel is the mean of so many pixels squared")
+              "Of a run: a texel is the mean of so many pixels squared, each fitted by itself")
       .option("--mm-per-pixel", request.mm_per_pixel, 1e-6, 1e3,
               "Of a run that is not rectified, where the rig does not tell: near lamps need it")
       .option("--register", options.register_by, "MODEL",
@@ -84,8 +83,8 @@ void addRunFitOptions(Verb& verb, RunFitOptions& options) {
               "card in the middle under any one lamp (default: 1)")
       .flag("--stale-calibration", request.frames.correction.stale,
             "Of a run: also calibrations out of tolerance")
-      .flag("--each-step-alone", options.each_alone,
-            "Of a run: gloss is not held to that of the step before");
+      .flag("--earlier-steps", request.earlier_steps,
+            "Of a run: hold gloss to that of the step before, where little changes between two");
 }
 
 void fitRunOfArchive(Context& context, RunFitOptions& options, const std::string& run) {

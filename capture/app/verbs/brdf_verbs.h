@@ -13,7 +13,7 @@ namespace patina::app {
 struct RunFitOptions {
   workflow::RunReflectanceRequest request;
   workflow::RectifyRequest rectification;
-  bool whole = false, rectify = false, each_alone = false;
+  bool whole = false, rectify = false;
   std::string register_by;
 };
 // `options` lives until the verb has run.

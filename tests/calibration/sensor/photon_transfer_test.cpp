@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "processing/image/random.h"
 #include "tests/calibration/sensor/twin_shots.h"
 
 namespace patina::calibration {
@@ -73,6 +74,41 @@ TEST(PhotonTransfer, FindsGainReadNoiseAndFullWellOfTheReferenceProfile) {
     EXPECT_EQ(transfer.channels[c].levels.size(), 6u);  // the brightest is cut
   }
   EXPECT_GT(transfer.hot_left_out, 0);
+}
+
+// Numbers of a sensor of 2 e- a number whose pixels differ by 6 numbers in the dark, always the
+// same, and by 3 from picture to picture.
+RawMosaic patterned(double electrons, std::uint64_t picture) {
+  constexpr double kElectronsPerNumber = 2, kPattern = 6, kRead = 3;
+  RawMosaic raw;
+  raw.samples = Image<std::uint16_t>(192, 192, 1);
+  raw.black_level = 64, raw.white_level = 4095;
+  for (std::uint64_t i = 0; i < raw.samples.texels().size(); ++i) {
+    const double shot = std::sqrt(electrons) / kElectronsPerNumber;
+    const double noise = std::hypot(kRead, shot) * gaussian(hashSeed(picture, i));
+    raw.samples.texels()[i] = static_cast<std::uint16_t>(
+        std::clamp(std::round(200 + electrons / kElectronsPerNumber +
+                              kPattern * gaussian(hashSeed(7, i)) + noise),
+                   0.0, 4095.0));
+  }
+  return raw;
+}
+PairSource patternedPairs(std::vector<double> electrons, std::uint64_t first) {
+  return [electrons = std::move(electrons), first,
+          next = std::size_t{0}]() mutable -> std::optional<RawPair> {
+    if (next == electrons.size()) return std::nullopt;
+    const double of = electrons[next++];
+    return RawPair{patterned(of, first + 2 * next), patterned(of, first + 2 * next + 1)};
+  };
+}
+
+TEST(PhotonTransfer, ReadNoiseIsWhatDiffersBetweenTwoDarksNotTheirPattern) {
+  const PhotonTransfer transfer =
+      measured(patternedPairs({0, 0, 0}, 100), patternedPairs({400, 1000, 2000, 4000, 6000}, 200));
+  for (const NoiseModel& noise : transfer.noise) {
+    EXPECT_NEAR(noise.electrons_per_number, 2, 0.04);
+    EXPECT_NEAR(noise.read_noise_e, 6, 0.15);
+  }
 }
 
 TEST(PhotonTransfer, LinearityTakesExposuresThatDiffer) {

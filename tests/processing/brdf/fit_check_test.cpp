@@ -79,7 +79,7 @@ TEST_F(FitCheck, OptionsOutOfRangeAreUsageErrors) {
   refused([](MultiLightOptions& o) { o.noise.floor = 0; });
   refused([](MultiLightOptions& o) { o.rounds = 0; });
   refused([](MultiLightOptions& o) { o.steps = 51; });
-  refused([](MultiLightOptions& o) { o.neighbour_px = 65; });
+  refused([](MultiLightOptions& o) { o.neighbour_px = 257; });
   refused([](MultiLightOptions& o) { o.mm_per_texel = 0; });
 }
 

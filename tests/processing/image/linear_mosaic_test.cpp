@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "processing/image/dng_file.h"
 #include "processing/image/random.h"
 
@@ -34,6 +36,42 @@ TEST(DemosaicLinear, IsThatOfTheRawFileForEveryOrderOfFiltersAndSize) {
         ASSERT_NEAR(got.texels()[i], wanted.texels()[i], 1e-6) << size.width << " at " << i;
       }
     }
+}
+
+// A grey texture finer than the mosaic's colours: what each of them lacks the others have.
+TEST(DemosaicDetailed, IsNearerToGreyDetailThanTheMeanOfNeighboursAndKeepsEachPixelsOwn) {
+  for (const std::array<std::uint8_t, 4> cfa :
+       {std::array<std::uint8_t, 4>{0, 1, 1, 2}, {2, 1, 1, 0}, {1, 0, 2, 1}, {1, 2, 0, 1}}) {
+    Image<float> grey(64, 48, 1);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x)
+        grey.at(x, y) = static_cast<float>(0.5 + 0.2 * std::sin(1.1 * x) * std::cos(0.9 * y));
+    const ImageView<const float> mosaic = std::as_const(grey).view();
+    const Image<float> plain = demosaicLinear(mosaic, cfa), fine = demosaicDetailed(mosaic, cfa);
+    double plain2 = 0, fine2 = 0;
+    for (int y = 4; y < 44; ++y)
+      for (int x = 4; x < 60; ++x) {
+        const int own = cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+        ASSERT_EQ(fine.at(x, y, own), grey.at(x, y));
+        for (int c = 0; c < 3; ++c) {
+          plain2 += std::pow(plain.at(x, y, c) - grey.at(x, y), 2);
+          fine2 += std::pow(fine.at(x, y, c) - grey.at(x, y), 2);
+        }
+      }
+    EXPECT_LT(fine2, 0.25 * plain2);
+  }
+}
+
+// Colours that do not change together: a flat field stays flat, whatever its colour.
+TEST(DemosaicDetailed, LeavesFlatColoursFlat) {
+  Image<float> mosaic(12, 12, 1);
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 12; ++x) mosaic.at(x, y) = 0.2f * static_cast<float>(1 + (x & 1) + (y & 1));
+  const Image<float> flat = demosaicDetailed(std::as_const(mosaic).view(), {0, 1, 1, 2});
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 12; ++x)
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(flat.at(x, y, c), 0.2f * static_cast<float>(1 + c), 1e-6f);
 }
 
 }  // namespace
