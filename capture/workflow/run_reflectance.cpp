@@ -123,6 +123,7 @@ class RunFit {
     brdf::MultiLightOptions& options = fit_.options = request_.fit;
     options.mm_per_texel = mm > 0 ? static_cast<float>(mm) : 1;
     options.saturated = saturatedLevel();
+    options.deep_shadows = true;
     options.neighbour_px = std::min(request_.fit.neighbour_px * request_.bin, 256);
     if (const auto noise = chain.noise()) options.noise = noiseOfPixels((*noise)[1], fit_.states);
     if (const auto filters = chain.filters())

@@ -10,7 +10,8 @@
 namespace patina::brdf::lanes {
 namespace {
 
-constexpr float kUnmet = 4;  // chi squared a level
+constexpr float kUnmet = 4;           // chi squared a level
+constexpr float kModelShare = 0.05f;  // of a level, that no model meets anyhow
 // The most that a level costs, in chi squared. What is black may be in shadow, what is darker than
 // predicted at the edge of one; what is brighter nothing explains.
 constexpr float kBlackPrice = 9, kDarkPrice = 25, kBrightPrice = 400;
@@ -26,7 +27,8 @@ float price(float level, float predicted, float information) {
   const float most = level < kBlackShare * predicted ? kBlackPrice
                      : off < 0                       ? kDarkPrice
                                                      : kBrightPrice;
-  return std::min(off * off * information, most);
+  const float model = kModelShare * predicted;
+  return std::min(off * off / (1 / information + model * model), most);
 }
 
 Lane priceOf(const Samples& s, const Estimate& at) {
@@ -35,7 +37,7 @@ Lane priceOf(const Samples& s, const Estimate& at) {
     for (int k = 0; k < kLanes; ++k) {
       const float m = s.m[i][k],
                   predicted = at.kd[k] * s.a[i][k] + (at.ks[k] * (1 - m) + m) * s.g[i][k];
-      sum[k] += price(s.y[i][k], predicted, s.noise[i][k]);
+      if (s.noise[i][k] > 0) sum[k] += price(s.y[i][k], predicted, s.noise[i][k]);
     }
   return sum;
 }

@@ -12,11 +12,12 @@ namespace {
 constexpr float kCauchy = 2.4f;       // of the texel's own spread
 constexpr float kShadowShare = 0.6f;  // of the prediction, and
 constexpr float kShadowSpread = 6;    // spreads below it: cast shadow
-constexpr float kPartSigma = 4;       // of a texel known to be in shadow of many lamps: in part
-constexpr float kAttached = 0.02f;    // n.l from which light counts
-constexpr float kTurnMost = 0.25f;    // rad a step
-constexpr float kScaleMost = 0.7f;    // of ln r a step
-constexpr float kLowestUp = 0.1f;     // n.z
+constexpr float kPartSigma = 4,
+                kPartShare = 0.9f;  // of a texel known to be in shadow of many lamps: in part
+constexpr float kAttached = 0.02f;  // n.l from which light counts
+constexpr float kTurnMost = 0.25f;  // rad a step
+constexpr float kScaleMost = 0.7f;  // of ln r a step
+constexpr float kLowestUp = 0.1f;   // n.z
 constexpr float kSmallestR = 0.02f, kLargestR = 1.0f;
 constexpr float kDampLeast = 1e-6f, kDampMost = 1e6f;
 constexpr float kSmallTurn = 2e-5f;  // rad; a tile whose steps are all below is done
@@ -114,25 +115,28 @@ void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& p
 // model does not meet is not told that it is.
 void reweigh(Samples& samples, const Estimate& at) {
   std::vector<float> off(samples.count), sorted;
+  std::vector<char> partly(samples.count);
   sorted.reserve(samples.count);
   for (int k = 0; k < kLanes; ++k) {
     sorted.clear();
+    const bool strict = samples.shadowed[k] > 0;
     for (std::size_t i = 0; i < samples.count; ++i) {
       off[i] = (samples.y[i][k] - predicted(samples, at, i, k)) * std::sqrt(samples.noise[i][k]);
-      if (samples.weight[i][k] > 0) sorted.push_back(std::abs(off[i]));
+      partly[i] = strict && off[i] < -kPartSigma &&
+                  samples.y[i][k] < kPartShare * predicted(samples, at, i, k);
+      if (samples.weight[i][k] > 0 && !partly[i]) sorted.push_back(std::abs(off[i]));
     }
     if (sorted.empty()) continue;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    const bool strict = samples.shadowed[k] > 0;
-    const float spread = strict ? 1.0f : std::max(1.4826f * *middle, 1.0f);
+    const float spread = std::max(1.4826f * *middle, 1.0f);
     for (std::size_t i = 0; i < samples.count; ++i) {
       const float n_l =
           at.nx[k] * samples.lx[i][k] + at.ny[k] * samples.ly[i][k] + at.nz[k] * samples.lz[i][k];
       const bool attached = n_l < kAttached;
-      const bool cast = strict ? off[i] < -kPartSigma
-                               : samples.y[i][k] < kShadowShare * predicted(samples, at, i, k) &&
-                                     off[i] < -kShadowSpread * spread;
+      const bool cast =
+          partly[i] || (samples.y[i][k] < kShadowShare * predicted(samples, at, i, k) &&
+                        off[i] < -kShadowSpread * spread);
       const float c = off[i] / (kCauchy * spread);
       samples.weight[i][k] = attached || cast ? 0 : samples.noise[i][k] / (1 + c * c);
     }

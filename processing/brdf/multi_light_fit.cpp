@@ -41,11 +41,9 @@ struct Counts {
 
 class Fitter {
  public:
-  // `rivals`: whether what is not met is begun anew.
-  Fitter(const std::vector<FitSample>& samples, const MultiLightOptions& options, bool rivals)
+  Fitter(const std::vector<FitSample>& samples, const MultiLightOptions& options)
       : samples_(samples),
         options_(options),
-        rivals_(rivals),
         state_(samples[0].picture.size(), samples[0].picture.channels),
         rows_(static_cast<std::size_t>(state_.size.height)) {}
 
@@ -66,7 +64,7 @@ class Fitter {
           if (glossy()) {
             lanes::scanRoughness(options_.model, tile.lanes(), at, prior);
             lanes::refine(first, tile.lanes(), at, prior, q);
-            if (rivals_) lanes::tryRivals(first, tile.lanes(), at, prior, q);
+            if (options_.deep_shadows) lanes::tryRivals(first, tile.lanes(), at, prior, q);
           } else {
             matt(tile.lanes(), at, q);
           }
@@ -323,7 +321,6 @@ class Fitter {
 
   const std::vector<FitSample>& samples_;
   const MultiLightOptions& options_;
-  const bool rivals_;
   FitState state_;
   std::vector<Counts> rows_;
 };
@@ -344,10 +341,10 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   options.check();
   checkSamples(samples, options, before);
   MultiLightOptions first = options;
-  if (options.model == Model::kWardAnisotropic) first.model = Model::kWard;
+  if (options.model == Model::kWardAnisotropic)
+    first.model = Model::kWard, first.deep_shadows = false;
   if (options.model == Model::kTorranceSparrow) first.specular_spread = 1;
-  // One roughness is not meant to meet what has two.
-  Fitter fitter(samples, first, options.model != Model::kWardAnisotropic);
+  Fitter fitter(samples, first);
   fitter.firstPass(progress);
   FitState& state = fitter.state();
   if (options.filters)

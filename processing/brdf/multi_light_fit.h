@@ -10,9 +10,9 @@
 // Pereyra 1973, Kaufman's form): kd and ks, the linear part, are solved inside (2x2, not below
 // zero); Levenberg and Marquardt turn the normal and scale the roughness. Weights: the sensor's
 // noise, times Cauchy's of the residual in units of the texel's own spread (inter-reflection).
-// Left out: clipped levels, n.l <= 0 (attached shadow), levels far below the prediction (cast). A
-// texel that is not met is tried from a mirror's normal, and as one that most lamps do not reach:
-// then all that is darker than predicted is shadow (lane_rivals.cpp).
+// Left out: clipped levels, n.l <= 0 (attached shadow), levels far below the prediction (cast).
+// With `deep_shadows` a texel that is not met is tried from a mirror's normal, and as one that most
+// lamps do not reach: then all that is darker than predicted is shadow (lane_rivals.cpp).
 // Where a highlight is narrower than the lamps' spacing, ks and r are not known: a second pass
 // holds them to those of like-coloured neighbours (and to `before`, other time steps), each counted
 // by its confidence.
@@ -63,6 +63,10 @@ struct MultiLightOptions {
   // Pictures are a mosaic, [h][w][1]: colours of its 2x2 cell. So are the maps of diffuse and
   // specular colour then (pixel_maps.h); like-looking are neighbours of the same colour.
   std::optional<Filters> filters;
+  // Whether what is not met is begun anew, from a mirror's normal and as what most lamps do not
+  // reach. For pixels, which light reaches or does not; of texels whose light the model does not
+  // meet anyhow (a photograph's of gilding) it takes misfit for shadow.
+  bool deep_shadows = false;
   void check() const;  // throws ProcessingError(kUsage)
 };
 

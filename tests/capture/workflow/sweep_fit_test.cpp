@@ -97,6 +97,7 @@ class CrackedSweep {
     }
     fit.region = {0, 0, 24, 24};
     fit.bin = 4;
+    fit.options.deep_shadows = true;
     fit.options.filters = brdf::Filters{0, 1, 1, 2};
   }
   SweepFit fit;
