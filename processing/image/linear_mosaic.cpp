@@ -75,7 +75,8 @@ Image<float> demosaicDetailed(ImageView<const float> in, const std::array<std::u
   Image<float> out = demosaicLinear(in, cfa);
   if (!isBayer(cfa)) return out;
   const auto colourAt = [&](int x, int y) {
-    return cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+    const int cell = (y & 1) * 2 + (x & 1);
+    return cfa[static_cast<std::size_t>(cell)];
   };
   forEachRow(in.height, std::int64_t{16} * in.width, [&](int y) {
     if (y < 2 || y + 2 >= in.height) return;

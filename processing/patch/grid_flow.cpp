@@ -81,7 +81,7 @@ void GridFlow::augment(int v, int d) {
   Flow flow = nodes_[v].residual[d];
   int root = v;
   for (; nodes_[root].parent != kTerminal; root = neighbour(root, nodes_[root].parent)) {
-    const int up = nodes_[root].parent;
+    const std::int8_t up = nodes_[root].parent;
     flow = std::min(flow, nodes_[neighbour(root, up)].residual[opposite(up)]);
   }
   flow = std::min(flow, nodes_[root].terminal);
@@ -93,7 +93,8 @@ void GridFlow::augment(int v, int d) {
   nodes_[to].residual[opposite(d)] += flow;
   const auto follow = [&](int node, bool from_source) {
     while (nodes_[node].parent != kTerminal) {
-      const int up = nodes_[node].parent, next = neighbour(node, up);
+      const std::int8_t up = nodes_[node].parent;
+      const int next = neighbour(node, up);
       Flow &inner = nodes_[next].residual[opposite(up)], &outer = nodes_[node].residual[up];
       Flow& used = from_source ? inner : outer;
       used -= flow;

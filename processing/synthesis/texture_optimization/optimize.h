@@ -21,8 +21,8 @@ namespace patina::texture_optimization {
 
 enum class Effort {
   kFull,
-  kQuick,  // 1 round on the finest level, with no index of its own there, 2 on the next, then 6, and
-           // on the first in any case: 3 to 12 % more energy in half the time
+  kQuick,  // 1 round on the finest level, with no index of its own there, 2 on the next, then 6,
+           // and on the first in any case: 3 to 12 % more energy in half the time
 };
 
 struct OptimizeOptions {

@@ -51,7 +51,7 @@ TEST(DemosaicDetailed, IsNearerToGreyDetailThanTheMeanOfNeighboursAndKeepsEachPi
     double plain2 = 0, fine2 = 0;
     for (int y = 4; y < 44; ++y)
       for (int x = 4; x < 60; ++x) {
-        const int own = cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+        const int cell = (y & 1) * 2 + (x & 1), own = cfa[static_cast<std::size_t>(cell)];
         ASSERT_EQ(fine.at(x, y, own), grey.at(x, y));
         for (int c = 0; c < 3; ++c) {
           plain2 += std::pow(plain.at(x, y, c) - grey.at(x, y), 2);
