@@ -92,7 +92,9 @@ class Layout {
   bool holdsBlock(std::span<const std::uint8_t> usable, int x, int y) const {
     for (int j = 0; j < block_ && !usable.empty(); ++j)
       for (int i = 0; i < block_; ++i)
-        if (usable[static_cast<std::size_t>((y + j) * source_.width + x + i)] == 0) return false;
+        if (const int at = (y + j) * source_.width + x + i;
+            usable[static_cast<std::size_t>(at)] == 0)
+          return false;
     return true;
   }
 
@@ -224,7 +226,8 @@ class Layout {
         if (r == 0 && c == 0) continue;
         const int row = (rowOf(b) + r + rows_) % rows_,
                   column = (columnOf(b) + c + columns_) % columns_;
-        addRepeats(blocks_[static_cast<std::size_t>(row * columns_ + column)], c, r);
+        const int block = row * columns_ + column;
+        addRepeats(blocks_[static_cast<std::size_t>(block)], c, r);
       }
   }
 
@@ -246,8 +249,8 @@ class Layout {
               last_y = std::min({block_ - 1, source_.height - 1 - py, kernel_reach_ - ty});
     const int side = 2 * kernel_reach_ + 1;
     for (int dy = first_y; dy <= last_y && first_x <= last_x; ++dy) {
-      const float* kernel = &kernel_[static_cast<std::size_t>((dy + ty + kernel_reach_) * side +
-                                                              first_x + tx + kernel_reach_)];
+      const int from = (dy + ty + kernel_reach_) * side + first_x + tx + kernel_reach_;
+      const float* kernel = &kernel_[static_cast<std::size_t>(from)];
       float* to = &repeats_[at(px + first_x, py + dy)];
       const float share =
           static_cast<float>(block_ - std::abs(dy)) / static_cast<float>(block_ * block_);

@@ -45,8 +45,8 @@ Image<float> detailOf(const Image<float>& image) {
       const float share = 1.0f / static_cast<float>((bottom - top + 1) * (right - left + 1));
       for (int c = 0; c < channels; ++c) {
         float sum = 0;
-        for (int i = left; i <= right; ++i)
-          sum += above[static_cast<std::size_t>(i * channels + c)];
+        for (int i = left * channels + c; i <= right * channels + c; i += channels)
+          sum += above[static_cast<std::size_t>(i)];
         out.at(x, y, c) = image.at(x, y, c) - share * sum;
       }
     }

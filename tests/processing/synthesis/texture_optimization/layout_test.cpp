@@ -119,7 +119,8 @@ TEST(Layout, DoesNotLayWholeSamplesSideBySide) {
       const std::int32_t texel = shown[indexOf(x, y)];
       const int right = texel % kSource - x + kTarget.width,
                 below = texel / kSource - y + kTarget.height;
-      ++of_offset[static_cast<std::size_t>(below * 2 * kTarget.width + right)];
+      const int offset = below * 2 * kTarget.width + right;
+      ++of_offset[static_cast<std::size_t>(offset)];
     }
   EXPECT_LE(*std::max_element(of_offset.begin(), of_offset.end()), 6 * kBlock * kBlock);
 }
