@@ -350,7 +350,7 @@ const std::vector<db::FrameCalibrationRow>& ArchiveFrames::bindings() const {
   return chain_ ? chain_->bindings() : none;
 }
 
-std::optional<std::array<std::uint8_t, 4>> ArchiveFrames::filters() const {
+std::optional<calibration::ColourFilters> ArchiveFrames::filters() const {
   if (report_.sizes > 1) return std::nullopt;
   if (chain_) return chain_->filters();
   const SensorPicture sample = decodeSensorPicture(reader_.read(chosen_.front().frame), nullptr);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "calibration/sensor/colour_filters.h"
 #include "calibration/sensor/noise_model.h"
 #include "db/archive.h"
 #include "processing/ttf/frame_source.h"
@@ -83,7 +84,7 @@ class ArchiveFrames final : public ttf::FrameSource {
   std::optional<calibration::NoiseModels> noise() const;
   // The mosaic of raw files, where frames of one size are given: each pixel's own colour is the
   // sensor's sample then, the others are mixed from neighbours. Decodes a file.
-  std::optional<std::array<std::uint8_t, 4>> filters() const;
+  std::optional<calibration::ColourFilters> filters() const;
   std::vector<db::FrameRow> rows() const;  // of the frames, in order
 
  private:

@@ -126,7 +126,7 @@ std::optional<EvenLight> FrameChain::whiteLight(const calibration::CalibrationKe
 
 SizePx FrameChain::size() const { return rectify_ ? rectify_->map.size() : frames_.report().size; }
 
-std::optional<std::array<std::uint8_t, 4>> FrameChain::filters() const {
+std::optional<calibration::ColourFilters> FrameChain::filters() const {
   if (rectify_ || registered_ || colour_) return std::nullopt;
   return frames_.filters();
 }

@@ -46,7 +46,7 @@ class FrameChain {
   std::optional<calibration::NoiseModels> noise() const { return frames_.noise(); }
   // The mosaic whose samples frames still hold, each in its pixel's own colour; nothing where they
   // are resampled or their colours mixed.
-  std::optional<std::array<std::uint8_t, 4>> filters() const;
+  std::optional<calibration::ColourFilters> filters() const;
   double mmPerTexel() const { return rectify_ ? rectify_->mm_per_texel : 0; }  // 0: not known
   // What changes the result, but for the pictures' calibrations, which follow by addInputs().
   void addOptions(Facts& options) const;

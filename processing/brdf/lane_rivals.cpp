@@ -2,7 +2,6 @@
 // Other beginnings for what the fit does not meet: a mirror rather than a matt surface, or one that
 // most lamps do not reach.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "processing/brdf/fit_lanes.h"

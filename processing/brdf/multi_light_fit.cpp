@@ -314,8 +314,12 @@ class Fitter {
             ks);
       else
         kd = q.aa[k] > 0 ? std::max(ay / q.aa[k], 0.0f) : 0;
-      state_.diffuse.at(x, y, c) = s.shadowed[k] > 0 ? std::min(kd, 1.0f) : kd;  // of few levels
-      state_.specular.at(x, y, c) = std::min(ks, 1.0f);
+      // Of few levels almost anything comes out; strengths of Torrance and Sparrow's lobe may be
+      // above 1.
+      const bool few = s.shadowed[k] > 0 || !state_.told.at(x, y),
+                 reflectance = options_.model != Model::kTorranceSparrow;
+      state_.diffuse.at(x, y, c) = few ? std::min(kd, 1.0f) : kd;
+      state_.specular.at(x, y, c) = few || reflectance ? std::min(ks, 1.0f) : ks;
     }
   }
 

@@ -57,7 +57,8 @@ Image<float> meansOf(const Image<float>& pixels, int bin) {
 Image<float> coloursOf(const Image<float>& map, const std::optional<Filters>& filters) {
   if (!filters) return map;
   Image<float> colours = demosaicDetailed(map.view(), *filters);
-  for (float& v : colours.texels()) v = std::clamp(v, 0.0f, 1.0f);
+  const float most = *std::max_element(map.texels().begin(), map.texels().end());
+  for (float& v : colours.texels()) v = std::clamp(v, 0.0f, most);
   return colours;
 }
 
