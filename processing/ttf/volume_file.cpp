@@ -130,6 +130,15 @@ void VolumeFile::writeChunk(int first, int count, int x, int y, const std::byte*
         H5Dwrite(frames_.id(), sample_type_.id(), memory.id(), target.id(), H5P_DEFAULT, samples);
   }
   check_.require(written >= 0, "cannot be written (is the disk full?)");
+  sendOff();
+}
+
+void VolumeFile::sendOff() {
+  void* fd = nullptr;
+  if (H5Fget_vfd_handle(file_.id(), H5P_DEFAULT, &fd) < 0 || !fd) return;
+  const int error =
+      behind_.wrote(*static_cast<const int*>(fd), static_cast<std::int64_t>(chunk_bytes_));
+  check_.require(error == 0, "cannot be written: " + std::string(std::strerror(error)));
 }
 
 void VolumeFile::attribute(const char* name, hdf5::Id type, const void* value) {

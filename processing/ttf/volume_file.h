@@ -8,6 +8,7 @@
 
 #include "processing/ttf/hdf5_bridge.h"
 #include "processing/ttf/ttf_file.h"
+#include "processing/ttf/write_behind.h"
 
 namespace patina::ttf {
 
@@ -38,6 +39,7 @@ class VolumeFile {
   void publish(const TtfInfo& info);
 
  private:
+  void sendOff();
   void writeSeries(const TtfInfo& info);
   void writeAttributes(const TtfInfo& info);
   void attribute(const char* name, hdf5::Id type, const void* value);
@@ -49,6 +51,7 @@ class VolumeFile {
   SizePx chunk_, chunks_;
   std::size_t chunk_bytes_;
   hdf5::Handle file_, frames_, sample_type_;
+  WriteBehind behind_;
 };
 
 }  // namespace patina::ttf
