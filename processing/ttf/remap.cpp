@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <future>
 
 #include "processing/ttf/volume_file.h"
 
@@ -145,16 +146,17 @@ std::int64_t remapBytes(const TtfInfo& input, SizePx out) {
 }
 
 void remapTtf(const TtfReader& input, ImageView<const std::int32_t> source_xy,
-              const std::filesystem::path& out, const std::string& provenance_json,
+              const std::filesystem::path& out, const std::function<std::string()>& provenance_json,
               Progress& progress) {
   TtfInfo info = input.info();
   info.width = source_xy.width;
   info.height = source_xy.height;
   info.source.assign(info.source.size(), Sha256{});
-  info.provenance_json = provenance_json;
   VolumeFile file(out, info, false);
   const Remap remap(input.info(), source_xy, file.chunk());
+  std::future<std::string> provenance = std::async(std::launch::async, provenance_json);
   Pipeline(input, remap, file).run(progress);
+  info.provenance_json = provenance.get();
   file.publish(info);
 }
 

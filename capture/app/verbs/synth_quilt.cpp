@@ -160,9 +160,9 @@ void quilt(Context& context, Options& options) {
   }
   if (!options.keep.empty()) options.quilting.keep = maskOf(options.keep);
   const SizePx block = options.quilting.blockFor({input.info().width, input.info().height});
-  const quilting::QuiltingReport report =
-      quilting::quiltTtf(input, options.quilting, options.out,
-                         makingOf(options, input.info()).facts().json(), context.progress);
+  const quilting::QuiltingReport report = quilting::quiltTtf(
+      input, options.quilting, options.out,
+      [&] { return makingOf(options, input.info()).facts().json(); }, context.progress);
   if (report.seam_ratio_frames > kSeamRatioSeen && report.blend_px == 0)
     context.warn("seams may show: across them the gradient is " +
                  std::to_string(report.seam_ratio_frames).substr(0, 4) +

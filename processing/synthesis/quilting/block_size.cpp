@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "processing/patch/spectra.h"
+#include "processing/synthesis/quilting/displayed_rows.h"
 
 namespace patina::quilting {
 namespace {

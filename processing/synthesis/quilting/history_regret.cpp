@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "processing/patch/spectra.h"
+#include "processing/synthesis/quilting/displayed_rows.h"
 
 namespace patina::quilting {
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "processing/image/encoding.h"
+#include "processing/synthesis/quilting/displayed_rows.h"
 
 namespace patina::quilting {
 namespace {

@@ -9,7 +9,7 @@
 #include <future>
 #include <utility>
 
-#include "processing/image/encoding.h"
+#include "processing/synthesis/quilting/displayed_rows.h"
 
 namespace patina::quilting {
 namespace {
@@ -35,32 +35,12 @@ std::vector<float> frameWeights(std::span<const double> variance, int channels) 
   return weights;
 }
 
-// Samples of a row [texel][channel], as displayed, to a row a channel. Channels are counted while
-// compiling where they are few: a texel costs its loads and stores.
-template <int channels, class T>
-void spreadRow(const T* in, std::int64_t count, const float* display, float* out,
-               std::int64_t stride) {
-  for (std::int64_t i = 0; i < count; ++i, in += channels)
-    for (int c = 0; c < channels; ++c) out[c * stride + i] = display[in[c]];
-}
-template <class T>
-void spreadRow(const T* in, std::int64_t count, int channels, const float* display, float* out,
-               std::int64_t stride) {
-  if (channels == 3) return spreadRow<3>(in, count, display, out, stride);
-  for (int c = 0; c < channels; ++c)
-    for (std::int64_t i = 0; i < count; ++i) out[c * stride + i] = display[in[i * channels + c]];
-}
-
 // T, tile by tile as the texels lie in the file; a row of a block is a channel of a frame. While a
 // tile is worked on, a thread of its own reads the next.
 class Tiles {
  public:
   explicit Tiles(const QuiltingSource& source)
-      : source_(source), display_(displayTable(source.info().scale)) {
-    if (source.isCoded())
-      for (int code = 0; code < 256; ++code)
-        display_[code] =
-            display_[static_cast<std::size_t>(std::lround(65535 * linearFromSrgb(code / 255.0f)))];
+      : source_(source), displayed_(source.info().scale, source.isCoded()) {
     const ttf::TtfInfo& info = source.info();
     const std::int64_t row_bytes = static_cast<std::int64_t>(info.frames) * kTileTexels *
                                    info.channels * (source.isCoded() ? 1 : 2);
@@ -147,15 +127,16 @@ class Tiles {
       for (std::int64_t done = 0; done < count;) {
         const std::int64_t y = (first + done) / tile_width_, x = (first + done) % tile_width_,
                            here = std::min(count - done, tile_width_ - x);
-        spreadRow(samples.data() + (t * tile_count_ + rows_[y] * tile_width_ + x) * channels, here,
-                  channels, display_.data(), block + t * channels * stride + done, stride);
+        displayed_.spread(
+            samples.data() + (t * tile_count_ + rows_[y] * tile_width_ + x) * channels, here,
+            channels, block + t * channels * stride + done, stride);
         done += here;
       }
     });
   }
 
   const QuiltingSource& source_;
-  std::vector<float> display_;
+  DisplayedRows displayed_;
   std::vector<RectPx> tiles_;
   std::vector<std::int32_t> texels_;
   Samples samples_, coming_;
@@ -260,13 +241,6 @@ void QuiltingSource::codedBlock(RectPx region, std::vector<std::uint8_t>& codes)
   codes.resize(static_cast<std::size_t>(info().frames) * region.width * region.height *
                info().channels);
   input_.storedBlock(0, info().frames, region, reinterpret_cast<std::byte*>(codes.data()));
-}
-
-std::vector<float> displayTable(double scale) {
-  std::vector<float> table(65536);
-  for (int i = 0; i < 65536; ++i)
-    table[i] = srgbFromLinear(static_cast<float>(std::min(1.0, i * scale / 65535.0)));
-  return table;
 }
 
 TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,

@@ -54,7 +54,4 @@ TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
 TtfFeatures ttfFeaturesApart(const QuiltingSource& source, int rank_max,
                              std::optional<double> rank_error, Progress& progress);
 
-// What each u16 sample looks like: sRGB of its linear value, [65536].
-std::vector<float> displayTable(double scale);
-
 }  // namespace patina::quilting

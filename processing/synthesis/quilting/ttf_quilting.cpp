@@ -231,8 +231,8 @@ void writeFrames(const ResultFrames& frames, const ttf::TtfInfo& info,
 }  // namespace
 
 QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& options,
-                        const std::filesystem::path& out, const std::string& provenance_json,
-                        Progress& progress) {
+                        const std::filesystem::path& out,
+                        const std::function<std::string()>& provenance_json, Progress& progress) {
   const SizePx size{input.info().width, input.info().height};
   options.check(size);
   std::optional<LowFrequency> low;
@@ -279,7 +279,7 @@ QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& opti
   ttf::TtfInfo info = input.info();
   info.width = options.size.width;
   info.height = options.size.height;
-  info.provenance_json = provenance_json;
+  info.provenance_json = provenance_json();
   writeFrames(frames, info, out, progress);
   return result.report;
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "processing/synthesis/quilting/quilting.h"
@@ -12,9 +13,11 @@
 
 namespace patina::quilting {
 
-// Writes `out` whole or not at all: same frames, times, scale and type; hashes of zero.
+// Writes `out` whole or not at all: same frames, times, scale and type; hashes of zero. Asked for
+// late, while frames are written and on another thread: `provenance_json`, since hashing a large
+// input takes its time.
 QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& options,
-                        const std::filesystem::path& out, const std::string& provenance_json,
-                        Progress& progress);
+                        const std::filesystem::path& out,
+                        const std::function<std::string()>& provenance_json, Progress& progress);
 
 }  // namespace patina::quilting

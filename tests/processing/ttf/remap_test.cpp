@@ -49,7 +49,9 @@ TEST(RemapTtf, CopiesEveryTexelsHistoryBitForBitInAnyType) {
     const TtfReader input(folder / "in.h5");
     const Image<std::int32_t> map = pieces({150, 131}, {50, 140});
     Progress progress;
-    remapTtf(input, map.view(), folder / "out.h5", R"({"seed":1})", progress);
+    remapTtf(
+        input, map.view(), folder / "out.h5", [] { return std::string(R"({"seed":1})"); },
+        progress);
     const TtfReader output(folder / "out.h5");
     EXPECT_EQ(output.info().type, type);
     EXPECT_EQ(output.info().time_s, input.info().time_s);
@@ -73,7 +75,9 @@ TEST(RemapTtf, RefusesATexelBeyondTheInputAndLeavesNothing) {
   Image<std::int32_t> map = pieces({30, 30}, {20, 20});
   map.at(4, 5, 0) = 20;
   Progress progress;
-  EXPECT_THROW(remapTtf(TtfReader(folder / "in.h5"), map.view(), folder / "out.h5", "{}", progress),
+  EXPECT_THROW(remapTtf(
+                   TtfReader(folder / "in.h5"), map.view(), folder / "out.h5",
+                   [] { return std::string("{}"); }, progress),
                ProcessingError);
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
 }

@@ -41,7 +41,7 @@ TEST(QuiltingPromises, FramesFollowEachOtherAsInTheSampleWhereQuiltingFrameByFra
   writeTexture(folder / "in.h5", kFrames, {140, 131});
   const ttf::TtfReader input(folder / "in.h5");
   Progress progress;
-  quiltTtf(input, options({150, 140}), folder / "out.h5", "{}", progress);
+  quiltTtf(input, options({150, 140}), folder / "out.h5", noProvenance, progress);
   const ttf::TtfReader output(folder / "out.h5");
   double source = 0, ours = 0, frame_by_frame = 0;
   Image<float> before;
@@ -94,7 +94,7 @@ TEST(QuiltingPromises, FilesAreTheSameBytesWithOneTwoAndEightThreads) {
       Progress progress;
       QuiltingOptions o = options({150, 140});
       o.blend_px = blend_px;
-      quiltTtf(ttf::TtfReader(folder / "in.h5"), o, folder / "out.h5", "{}", progress);
+      quiltTtf(ttf::TtfReader(folder / "in.h5"), o, folder / "out.h5", noProvenance, progress);
     });
     return readFile(folder / "out.h5");
   };
@@ -131,7 +131,7 @@ TEST(QuiltingPromises, ConstantSamplesSingleFramesAndFewFramesOfHighRankAreQuilt
     QuiltingOptions o = options({70, 60});
     o.svd_rank = rank;
     const QuiltingReport report =
-        quiltTtf(ttf::TtfReader(folder / "in.h5"), o, folder / "out.h5", "{}", progress);
+        quiltTtf(ttf::TtfReader(folder / "in.h5"), o, folder / "out.h5", noProvenance, progress);
     return std::pair{report, ttf::TtfReader(folder / "out.h5").linearFrame(0)};
   };
   writeTexture(folder / "in.h5", 1, {60, 50});
@@ -171,7 +171,7 @@ TEST(QuiltingPromises, GapsAndAFrameOfAnotherExposureAreCopiedAsTheyAre) {
   }
   const ttf::TtfReader input(folder / "in.h5");
   Progress progress;
-  quiltTtf(input, options({80, 70}), folder / "out.h5", "{}", progress);
+  quiltTtf(input, options({80, 70}), folder / "out.h5", noProvenance, progress);
   const ttf::TtfReader output(folder / "out.h5");
   EXPECT_EQ(output.info().time_s, input.info().time_s);
   const Image<float> bright = output.linearFrame(2), dark = output.linearFrame(3);

@@ -10,6 +10,7 @@
 #include "devices/twin/specimen_picture.h"
 #include "processing/image/picture_file.h"
 #include "processing/synthesis/quilting/ttf_quilting.h"
+#include "tests/processing/synthesis/quilting/textures.h"
 #include "tests/support/places.h"
 #include "tests/support/temp_folder.h"
 
@@ -57,7 +58,7 @@ Row measure(const TempFolder& folder, const std::string& name, SizePx size) {
   QuiltingOptions o;
   o.size = size;
   const auto ratio = [&] {
-    return quiltTtf(input, o, folder / "out.h5", "{}", progress).seam_ratio_frames;
+    return quiltTtf(input, o, folder / "out.h5", noProvenance, progress).seam_ratio_frames;
   };
   Row row;
   o.seam_sweeps = 0;
@@ -65,7 +66,7 @@ Row measure(const TempFolder& folder, const std::string& name, SizePx size) {
   o.seam_sweeps = QuiltingOptions().seam_sweeps;
   row.recut = ratio();
   o.blend_auto = true;
-  const QuiltingReport blended = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const QuiltingReport blended = quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
   row.blended = blended.seam_ratio_frames;
   row.in_place = blended.seam_ratio_in_place;
   row.areas = blended.seam_ratio_worst;

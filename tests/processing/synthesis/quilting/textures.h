@@ -3,11 +3,14 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 
 #include "processing/image/image.h"
 #include "processing/image/random.h"
 
 namespace patina::quilting {
+
+inline std::string noProvenance() { return "{}"; }
 
 // Repeats every `period` px in both directions; no two texels of a cell are alike.
 inline Image<float> periodicTexture(SizePx size, int period, int channels = 2) {

@@ -30,8 +30,9 @@ TEST(QuiltTtf, CopiesRealDataInEveryFrameAtOneAndTheSamePlace) {
   writeTexture(folder / "in.h5", 11, {140, 131});
   const ttf::TtfReader input(folder / "in.h5");
   Progress progress;
-  const QuiltingReport report =
-      quiltTtf(input, options({180, 150}), folder / "out.h5", R"({"seed":1})", progress);
+  const QuiltingReport report = quiltTtf(
+      input, options({180, 150}), folder / "out.h5", [] { return std::string(R"({"seed":1})"); },
+      progress);
   EXPECT_GT(report.blocks, 30);
   EXPECT_LT(report.svd_error, 0.02);
   EXPECT_GT(report.seam_ratio_frames, 0);
@@ -60,7 +61,7 @@ TEST(QuiltTtf, WithJitterCopiesEveryTexelsHistoryFromOnePlaceAtItsBlocksOwnTimes
   Progress progress;
   QuiltingOptions o = options({180, 150});
   o.jitter_event_frames = 4;
-  const QuiltingReport report = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const QuiltingReport report = quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
   const TtfFeatures f = ttfFeatures(QuiltingSource(input, nullptr), 15, {}, progress);
   TimeWarps warps(f, {0, 4}, o.seed);
   const SeamMetric metric = seamMetric(f);
@@ -90,9 +91,9 @@ TEST(QuiltTtf, BlendsSeamsOfJitteredBlocksToo) {
   Progress progress;
   QuiltingOptions o = options({180, 150});
   o.jitter_event_frames = 3;
-  const QuiltingReport copied = quiltTtf(input, o, folder / "copied.h5", "{}", progress);
+  const QuiltingReport copied = quiltTtf(input, o, folder / "copied.h5", noProvenance, progress);
   o.blend_px = 1.5;
-  const QuiltingReport blended = quiltTtf(input, o, folder / "blended.h5", "{}", progress);
+  const QuiltingReport blended = quiltTtf(input, o, folder / "blended.h5", noProvenance, progress);
   EXPECT_GT(copied.seam_ratio_frames, 1.15);
   EXPECT_NEAR(blended.seam_ratio_frames, 1, 0.1);
 }
@@ -118,9 +119,9 @@ TEST(QuiltTtf, BlendsFartherWhereASingleFrameShowsStepsBetweenAreas) {
   const ttf::TtfReader input(folder / "in.h5");
   Progress progress;
   QuiltingOptions o = options({150, 120});
-  const QuiltingReport copied = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const QuiltingReport copied = quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
   o.blend_auto = true;
-  const QuiltingReport chosen = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const QuiltingReport chosen = quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
   EXPECT_LT(copied.seam_ratio_frames, 1.3);
   EXPECT_GT(copied.seam_ratio_worst, 1.5);
   EXPECT_LT(chosen.seam_ratio_worst, 0.8 * copied.seam_ratio_worst);
@@ -133,9 +134,9 @@ TEST(QuiltTtf, BlendsNoMoreThanSeamsNeedWhereItMayChoose) {
   const ttf::TtfReader input(folder / "in.h5");
   Progress progress;
   QuiltingOptions o = options({180, 150});
-  const QuiltingReport copied = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const QuiltingReport copied = quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
   o.blend_auto = true;
-  const QuiltingReport chosen = quiltTtf(input, o, folder / "out.h5", "{}", progress);
+  const QuiltingReport chosen = quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
   EXPECT_GT(copied.seam_ratio_frames, 1.1);
   EXPECT_EQ(copied.blend_px, 0);
   EXPECT_GT(chosen.blend_px, 0);
@@ -148,9 +149,9 @@ TEST(QuiltTtf, BlendsSeamsAwayAndLeavesWhatIsFarFromThemBitForBit) {
   const ttf::TtfReader input(folder / "in.h5");
   Progress progress;
   QuiltingOptions o = options({180, 150});
-  const QuiltingReport copied = quiltTtf(input, o, folder / "copied.h5", "{}", progress);
+  const QuiltingReport copied = quiltTtf(input, o, folder / "copied.h5", noProvenance, progress);
   o.blend_px = 1.5;
-  const QuiltingReport blended = quiltTtf(input, o, folder / "blended.h5", "{}", progress);
+  const QuiltingReport blended = quiltTtf(input, o, folder / "blended.h5", noProvenance, progress);
   EXPECT_EQ(blended.seam_ratio, copied.seam_ratio);  // the same cuts
   EXPECT_LT(blended.seam_ratio_frames, 0.8 * copied.seam_ratio_frames);
   const Image<std::uint16_t> a = ttf::TtfReader(folder / "copied.h5").frame(4),
@@ -182,7 +183,7 @@ TEST(QuiltTtf, DropsARampOfTheSampleOrStretchesItOverTheResult) {
   QuiltingOptions o = options({200, 150});
   const auto ratio = [&](LowFrequencyUse use) {
     o.low_frequency = use;
-    quiltTtf(input, o, folder / "out.h5", "{}", progress);
+    quiltTtf(input, o, folder / "out.h5", noProvenance, progress);
     const auto [left, right] = sidesOf(ttf::TtfReader(folder / "out.h5").linearFrame(2));
     return right / left;
   };
@@ -197,7 +198,8 @@ TEST(QuiltTtf, KeepsFloatVolumesFloat) {
   const TempFolder folder = TempFolder::inMemory();
   writeTexture(folder / "in.h5", 2, {40, 40}, ttf::SampleType::kF32);
   Progress progress;
-  quiltTtf(ttf::TtfReader(folder / "in.h5"), options({50, 50}), folder / "out.h5", "{}", progress);
+  quiltTtf(ttf::TtfReader(folder / "in.h5"), options({50, 50}), folder / "out.h5", noProvenance,
+           progress);
   EXPECT_EQ(ttf::TtfReader(folder / "out.h5").info().type, ttf::SampleType::kF32);
 }
 
@@ -206,7 +208,7 @@ TEST(QuiltTtf, RefusesABlockLargerThanTheSourceBeforeItReadsAnything) {
   writeTexture(folder / "in.h5", 2, {20, 40});
   Progress progress;
   EXPECT_THROW(quiltTtf(ttf::TtfReader(folder / "in.h5"), options({50, 50}), folder / "out.h5",
-                        "{}", progress),
+                        noProvenance, progress),
                ProcessingError);
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
 }
