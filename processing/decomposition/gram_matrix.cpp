@@ -3,6 +3,7 @@
 
 #include <cblas.h>
 #include <lapacke.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -22,11 +23,12 @@ GramMatrix::GramMatrix(Index n)
 }
 
 void GramMatrix::add(const SampleBlock& block) {
+  tbb::enumerable_thread_specific<std::vector<float>> rooms;
   for (Index first = 0; first < block.count; first += kPanelTexels) {
     const Index count = std::min(kPanelTexels, block.count - first);
     tbb::parallel_for(Index{0}, n_, [&](Index j) {
-      const float* row = block.data + j * block.stride + first;
-      std::copy(row, row + count, panel_.begin() + j * kPanelTexels);
+      const FloatRows row = floatRows(block, j, 1, first, count, rooms.local());
+      std::copy(row.data, row.data + count, panel_.begin() + j * kPanelTexels);
     });
     tbb::parallel_for(std::size_t{0}, tiles_.size(),
                       [&](std::size_t t) { addTile(tiles_[t], count); });

@@ -108,21 +108,30 @@ void RangeSketch::add(Index first, const SampleBlock& block) {
   for (Index p : teachers)
     taught_.push_back(
         {first + p * kPanelTexels, std::min(kPanelTexels, block.count - p * kPanelTexels)});
-  tbb::enumerable_thread_specific<std::vector<float>> rooms(
-      [&] { return std::vector<float>(static_cast<std::size_t>(n_ * columns_)); });
+  const Index step = block.rowsAtOnce(n_);
+  struct Room {
+    std::vector<float> samples, product;
+  };
+  tbb::enumerable_thread_specific<Room> rooms([&] {
+    return Room{{}, std::vector<float>(static_cast<std::size_t>(step * columns_))};
+  });
   const std::vector<float> ones(kPanelTexels, 1.0f);
   tbb::parallel_for(std::size_t{0}, teachers.size(), [&](std::size_t i) {
     const Index p = teachers[i], at = p * kPanelTexels,
                 count = std::min(kPanelTexels, block.count - at);
-    std::vector<float>& product = rooms.local();
-    cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, n_, columns_, count, 1.0f, block.data + at,
-                block.stride, scores_.from(first + at), scores_.stride(), 0.0f, product.data(),
-                columns_);
+    Room& room = rooms.local();
     std::vector<double>&products = sums_[p].products, &samples = sums_[p].samples;
-    for (std::size_t k = 0; k < products.size(); ++k) products[k] += product[k];
-    cblas_sgemv(CblasRowMajor, CblasNoTrans, n_, count, 1.0f, block.data + at, block.stride,
-                ones.data(), 1, 0.0f, product.data(), 1);
-    for (std::size_t j = 0; j < samples.size(); ++j) samples[j] += product[j];
+    for (Index row = 0; row < n_; row += step) {
+      const Index rows = std::min(step, n_ - row);
+      const FloatRows t = floatRows(block, row, rows, at, count, room.samples);
+      cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, rows, columns_, count, 1.0f, t.data,
+                  t.stride, scores_.from(first + at), scores_.stride(), 0.0f, room.product.data(),
+                  columns_);
+      for (Index k = 0; k < rows * columns_; ++k) products[row * columns_ + k] += room.product[k];
+      cblas_sgemv(CblasRowMajor, CblasNoTrans, rows, count, 1.0f, t.data, t.stride, ones.data(), 1,
+                  0.0f, room.product.data(), 1);
+      for (Index j = 0; j < rows; ++j) samples[row + j] += room.product[j];
+    }
   });
 }
 
@@ -208,10 +217,17 @@ std::vector<double> RangeSketch::ritzValues(std::vector<double> gram,
 
 void Scores::add(Index first, const SampleBlock& block, Index n, std::span<const float> vectors) {
   const std::vector<float> by_column = byColumn(vectors, n);
+  const Index step = block.rowsAtOnce(n);
+  tbb::enumerable_thread_specific<std::vector<float>> rooms;
   tbb::parallel_for(Index{0}, panelsOf(block.count), [&](Index p) {
     const Index at = p * kPanelTexels, count = std::min(kPanelTexels, block.count - at);
-    cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, l_, count, n, 1.0f, by_column.data(), n,
-                block.data + at, block.stride, 0.0f, values_.data() + first + at, m_);
+    for (Index row = 0; row < n; row += step) {
+      const Index rows = std::min(step, n - row);
+      const FloatRows t = floatRows(block, row, rows, at, count, rooms.local());
+      cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, l_, count, rows, 1.0f,
+                  by_column.data() + row, n, t.data, t.stride, row > 0 ? 1.0f : 0.0f,
+                  values_.data() + first + at, m_);
+    }
   });
 }
 

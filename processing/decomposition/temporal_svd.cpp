@@ -34,9 +34,11 @@ class Moments {
   explicit Moments(Index n) : sum_(n), squares_(n) {}
   void add(const SampleBlock& block) {
     tbb::parallel_for(std::size_t{0}, sum_.size(), [&](std::size_t j) {
-      const float* row = block.data + static_cast<Index>(j) * block.stride;
+      const Index row = static_cast<Index>(j) * block.stride;
+      if (block.codes)
+        return addCodes(block.codes + row, block.count, block.step, sum_[j], squares_[j]);
       for (Index first = 0; first < block.count; first += kRun)
-        addRun(row + first, std::min(kRun, block.count - first), sum_[j], squares_[j]);
+        addRun(block.data + row + first, std::min(kRun, block.count - first), sum_[j], squares_[j]);
     });
   }
   std::vector<double> mean(Index m) const {
@@ -67,7 +69,8 @@ class Moments {
   }
 
  private:
-  static constexpr Index kRun = 512;  // in float
+  static constexpr Index kRun = 512;        // in float
+  static constexpr Index kCodes = 1 << 15;  // whose squares 32 bits can hold
   static void addRun(const float* v, Index count, double& sum, double& squares) {
     constexpr Index kLanes = 8;
     float s[kLanes] = {}, q[kLanes] = {};
@@ -84,6 +87,18 @@ class Moments {
     for (Index lane = 0; lane < kLanes; ++lane) {
       sum += s[lane];
       squares += q[lane];
+    }
+  }
+  static void addCodes(const std::uint8_t* codes, Index count, double step, double& sum,
+                       double& squares) {
+    for (Index first = 0; first < count; first += kCodes) {
+      std::uint32_t s = 0, q = 0;
+      for (Index i = first; i < std::min(count, first + kCodes); ++i) {
+        s += codes[i];
+        q += std::uint32_t{codes[i]} * codes[i];
+      }
+      sum += step * s;
+      squares += step * step * q;
     }
   }
   std::vector<double> sum_, squares_;
@@ -333,7 +348,17 @@ TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const SampleSource& samp
   return decompose(m, n, options, progress, [&](Index first, Index count) {
     block.resize(static_cast<std::size_t>(count * n));
     samples(first, count, block);
-    return SampleBlock{block.data(), count, count};
+    return SampleBlock{.data = block.data(), .count = count, .stride = count};
+  });
+}
+
+TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const CodeSource& codes, float step,
+                        const SvdOptions& options, Progress& progress) {
+  std::vector<std::uint8_t> block;
+  return decompose(m, n, options, progress, [&](Index first, Index count) {
+    block.resize(static_cast<std::size_t>(count * n));
+    codes(first, count, block);
+    return SampleBlock{.codes = block.data(), .step = step, .count = count, .stride = count};
   });
 }
 
@@ -341,7 +366,7 @@ TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, std::span<const float> s
                         const SvdOptions& options, Progress& progress) {
   PATINA_CHECK(static_cast<Index>(samples.size()) == m * n);
   return decompose(m, n, options, progress, [&](Index first, Index count) {
-    return SampleBlock{samples.data() + first, count, m};
+    return SampleBlock{.data = samples.data() + first, .count = count, .stride = m};
   });
 }
 

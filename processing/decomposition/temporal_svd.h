@@ -22,6 +22,9 @@ namespace patina::decomposition {
 // rarely up to four times.
 using SampleSource =
     std::function<void(std::int64_t first, std::int64_t count, std::span<float> block)>;
+// The same in codes of 8 bits.
+using CodeSource =
+    std::function<void(std::int64_t first, std::int64_t count, std::span<std::uint8_t> block)>;
 
 // What a column of T is multiplied by, from the mean and the variance of each over all texels;
 // called after the first pass, and perhaps on the first block before.
@@ -55,6 +58,10 @@ struct TemporalSvd {
 // or 3 n^2 doubles where n is small. Same bytes for any number of threads. Throws
 // ProcessingError(kBadData) where T holds a NaN or an infinity.
 TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const SampleSource& samples,
+                        const SvdOptions& options, Progress& progress);
+// Of samples that are codes, `step` each: equal but for rounding, and sooner, since floats are made
+// of few at a time.
+TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, const CodeSource& codes, float step,
                         const SvdOptions& options, Progress& progress);
 // Of samples that lie in memory, [n][m]: nothing is copied.
 TemporalSvd temporalSvd(std::int64_t m, std::int64_t n, std::span<const float> samples,

@@ -21,8 +21,12 @@ class DisplayedRows {
 
  private:
   std::vector<float> display_;  // of a sample
-  bool coded_as_displayed_;     // a code c is shown as c / 255
 };
+
+// Codes as they are, which are shown as so many steps where they are of values as such: scale 1.
+void spreadCodes(const std::uint8_t* in, std::int64_t count, int channels, std::uint8_t* out,
+                 std::int64_t stride);
+inline constexpr float kCodeStep = 1 / 255.0f;
 
 // Of linear samples of 16 bits, what is displayed, 0 to 1; [65536].
 std::vector<float> displayTable(double scale);

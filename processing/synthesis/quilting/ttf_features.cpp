@@ -59,7 +59,12 @@ class Tiles {
   // Texel i of T is this texel of the image.
   const std::vector<std::int32_t>& texels() const { return texels_; }
 
-  void fill(std::int64_t first, std::int64_t count, std::span<float> block) {
+  // Are values steps of kCodeStep? Then they can be had as codes.
+  bool areSteps() const { return source_.isCoded() && source_.info().scale == 1; }
+
+  // Values, or codes.
+  template <class V>
+  void fill(std::int64_t first, std::int64_t count, std::span<V> block) {
     if (first == 0) {
       if (next_.valid()) next_.get();
       next_tile_ = tile_first_ = tile_count_ = 0;
@@ -103,11 +108,19 @@ class Tiles {
                          [this, &next = tiles_[next_tile_]] { read(next, coming_); });
   }
 
+  void spread(std::int64_t first, std::int64_t count, std::uint8_t* block,
+              std::int64_t stride) const {
+    spread(samples_.codes, first, count, block, stride, spreadCodes);
+  }
   void spread(std::int64_t first, std::int64_t count, float* block, std::int64_t stride) const {
+    const auto spreadRow = [&](const auto* in, std::int64_t here, int channels, float* out,
+                               std::int64_t apart) {
+      displayed_.spread(in, here, channels, out, apart);
+    };
     if (source_.isCoded())
-      spread(samples_.codes, first, count, block, stride);
+      spread(samples_.codes, first, count, block, stride, spreadRow);
     else
-      spread(samples_.linear, first, count, block, stride);
+      spread(samples_.linear, first, count, block, stride, spreadRow);
   }
   // Rows of a tile, far ones side by side: what is learned from the first texels, which may be
   // few, is then of the whole tile.
@@ -119,17 +132,16 @@ class Tiles {
   }
 
   // Samples [t][y][x][c] to rows [t][c][texel].
-  template <class T>
-  void spread(const std::vector<T>& samples, std::int64_t first, std::int64_t count, float* block,
-              std::int64_t stride) const {
+  template <class T, class V>
+  void spread(const std::vector<T>& samples, std::int64_t first, std::int64_t count, V* block,
+              std::int64_t stride, const auto& spreadRow) const {
     const int channels = source_.info().channels;
     tbb::parallel_for(std::int64_t{0}, std::int64_t{source_.info().frames}, [&](std::int64_t t) {
       for (std::int64_t done = 0; done < count;) {
         const std::int64_t y = (first + done) / tile_width_, x = (first + done) % tile_width_,
                            here = std::min(count - done, tile_width_ - x);
-        displayed_.spread(
-            samples.data() + (t * tile_count_ + rows_[y] * tile_width_ + x) * channels, here,
-            channels, block + t * channels * stride + done, stride);
+        spreadRow(samples.data() + (t * tile_count_ + rows_[y] * tile_width_ + x) * channels, here,
+                  channels, block + t * channels * stride + done, stride);
         done += here;
       }
     });
@@ -165,7 +177,7 @@ std::vector<double> varianceOfColumns(Tiles& tiles, std::int64_t texels, std::si
   for (std::int64_t first = 0; first < texels; first += kTexelsAtOnce) {
     const std::int64_t count = std::min(kTexelsAtOnce, texels - first);
     block.resize(columns * static_cast<std::size_t>(count));
-    tiles.fill(first, count, block);
+    tiles.fill(first, count, std::span<float>(block));
     for (std::size_t j = 0; j < columns; ++j)
       for (std::int64_t i = 0; i < count; ++i) {
         const double v = block[j * static_cast<std::size_t>(count) + static_cast<std::size_t>(i)];
@@ -261,12 +273,14 @@ TtfFeatures ttfFeatures(const QuiltingSource& source, int rank_max,
     for (float w : result.weight) of_column.insert(of_column.end(), info.channels, w);
     return of_column;
   };
-  decomposition::TemporalSvd svd = decomposition::temporalSvd(
-      m, n,
-      [&](std::int64_t first, std::int64_t count, std::span<float> block) {
-        tiles.fill(first, count, block);
-      },
-      options, progress);
+  const auto fill = [&](std::int64_t first, std::int64_t count, auto block) {
+    tiles.fill(first, count, block);
+  };
+  decomposition::TemporalSvd svd =
+      tiles.areSteps()
+          ? decomposition::temporalSvd(m, n, decomposition::CodeSource(fill), kCodeStep, options,
+                                       progress)
+          : decomposition::temporalSvd(m, n, decomposition::SampleSource(fill), options, progress);
   result.features = Image<float>(info.width, info.height, svd.rank);
   result.basis = std::move(svd.basis);
   for (std::size_t j = 0; j < svd.mean.size(); ++j)
@@ -301,7 +315,7 @@ TtfFeatures ttfFeaturesApart(const QuiltingSource& source, int rank_max,
         [&](std::int64_t first, std::int64_t count, std::span<float> block) {
           const auto width = static_cast<std::size_t>(count);
           all.resize(frames * channels * width);
-          tiles.fill(first, count, all);
+          tiles.fill(first, count, std::span<float>(all));
           for (std::size_t t = 0; t < frames; ++t)
             std::copy_n(&all[(t * channels + c) * width], width, &block[t * width]);
         },

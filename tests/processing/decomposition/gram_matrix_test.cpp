@@ -41,7 +41,8 @@ TEST(GramMatrix, HasTheSumsOfTheCentredWeighedRowsForItsEigenvalues) {
   }
   GramMatrix gram(kTimes);
   for (const Index first : {Index{0}, Index{900}})  // in blocks of different lengths
-    gram.add({all.data() + first, first == 0 ? 900 : kTexels - 900, kTexels});
+    gram.add(
+        {.data = all.data() + first, .count = first == 0 ? 900 : kTexels - 900, .stride = kTexels});
   gram.centreAndWeigh(kTexels, mean, weight);
   double trace = 0;
   for (Index j = 0; j < kTimes; ++j) trace += product(all, j, j, mean, weight);

@@ -36,7 +36,7 @@ TEST(RangeSketch, SpansAllThatIsThereOnceTheMeanIsOut) {
   const std::vector<float> all = planted();
   const std::vector<double> mean = meanOf(all);
   RangeSketch sketch(kTexels, kTimes, randomColumns(kTimes, kColumns));
-  sketch.add(0, {all.data(), kTexels, kTexels});
+  sketch.add(0, {.data = all.data(), .count = kTexels, .stride = kTexels});
   const std::vector<double> basis = sketch.factors(mean, std::vector<float>(kTimes, 1)).basis;
   double left = 0, whole = 0;
   for (Index i = 0; i < kTexels; i += 97) {
@@ -73,7 +73,7 @@ TEST(RangeSketch, FindsOfManyTexelsTheSameFromSome) {
   RangeSketch sketch(kMany, kFew, randomColumns(kFew, 4));
   for (Index first = 0; first < kMany; first += 2048) {
     const Index count = std::min<Index>(2048, kMany - first);
-    sketch.add(first, {all.data() + first, count, kMany});
+    sketch.add(first, {.data = all.data() + first, .count = count, .stride = kMany});
   }
   const RangeSketch::Factors found = sketch.factors(mean, std::vector<float>(kFew, 1));
   double sum = 0;
@@ -89,8 +89,9 @@ TEST(Scores, AreProjectionsLessTheirOffsetAndTurnAsTold) {
     projection[i] = static_cast<float>(gaussian(hashSeed(7, i)));
   const std::vector<double> offset{3, -4};
   Scores scores(kTexels, 2);
-  scores.add(0, {all.data(), 700, kTexels}, kTimes, projection);
-  scores.add(700, {all.data() + 700, kTexels - 700, kTexels}, kTimes, projection);
+  scores.add(0, {.data = all.data(), .count = 700, .stride = kTexels}, kTimes, projection);
+  scores.add(700, {.data = all.data() + 700, .count = kTexels - 700, .stride = kTexels}, kTimes,
+             projection);
   scores.subtract(offset);
   const std::vector<double> gram = scores.gram(std::vector<Range>{{0, 500}, {500, kTexels - 500}});
   std::vector<double> own(kTexels * 2);

@@ -5,8 +5,10 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "processing/image/failure.h"
 #include "processing/image/random.h"
@@ -64,6 +66,34 @@ TEST(TemporalSvd, RecoversAPlantedLowRankExactly) {
   EXPECT_LT(svd.relative_error, 1e-6);
   EXPECT_GT(svd.singular_values[3], 1.0);
   EXPECT_LT(svd.singular_values[4], 1e-3);
+}
+
+// Short (by the Gram matrix), and long (by a sketch; a ragged end, some texels teach).
+TEST(TemporalSvd, OfCodesIsThatOfTheValuesTheyStandFor) {
+  constexpr float kStep = 1 / 255.0f;
+  for (const auto& [m, n] : {std::pair<std::int64_t, std::int64_t>{3000, 60}, {66'001, 100}}) {
+    Matrix a = planted(m, n, 4, 0.1);
+    std::vector<std::uint8_t> codes(a.values.size());
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      codes[i] = static_cast<std::uint8_t>(std::clamp(127 + 30 * a.values[i], 0.0f, 255.0f));
+      a.values[i] = codes[i] * kStep;
+    }
+    const CodeSource source = [&](std::int64_t first, std::int64_t count,
+                                  std::span<std::uint8_t> block) {
+      for (std::int64_t j = 0; j < n; ++j)
+        for (std::int64_t i = 0; i < count; ++i) block[j * count + i] = codes[(first + i) * n + j];
+    };
+    Progress progress;
+    const SvdOptions options{.rank = 4, .centre = true};
+    const TemporalSvd of_codes = temporalSvd(m, n, source, kStep, options, progress),
+                      of_values = run(a, options);
+    EXPECT_NEAR(of_codes.relative_error, of_values.relative_error, 1e-6);
+    EXPECT_NEAR(reconstructionError(a, of_codes), of_codes.relative_error, 1e-5) << n << " samples";
+    for (int k = 0; k < 4; ++k)
+      EXPECT_NEAR(of_codes.singular_values[k], of_values.singular_values[k],
+                  1e-6 * of_values.singular_values[0])
+          << "of " << n << " samples, " << k;
+  }
 }
 
 TEST(TemporalSvd, ReportsTheErrorThatAnExplicitReconstructionHas) {

@@ -17,15 +17,21 @@ std::vector<T> ramp(int channels, int step) {
   return in;
 }
 
-TEST(DisplayedRows, ShowACodeAsItIs) {
+TEST(DisplayedRows, HoldTheCodesOfAChannelEach) {
   for (const int channels : {1, 3, 4}) {
     const std::vector<std::uint8_t> in = ramp<std::uint8_t>(channels, 7);
-    std::vector<float> out(static_cast<std::size_t>(kStride) * channels, -1.0f);
-    DisplayedRows(1.0, true).spread(in.data(), kTexels, channels, out.data(), kStride);
+    std::vector<std::uint8_t> out(static_cast<std::size_t>(kStride) * channels, 1);
+    std::vector<float> shown(out.size());
+    spreadCodes(in.data(), kTexels, channels, out.data(), kStride);
+    DisplayedRows(1.0, true).spread(in.data(), kTexels, channels, shown.data(), kStride);
     for (int c = 0; c < channels; ++c)
-      for (int i = 0; i < kStride; ++i)
-        ASSERT_NEAR(out[c * kStride + i], i < kTexels ? in[i * channels + c] / 255.0f : -1.0f, 1e-6)
+      for (int i = 0; i < kStride; ++i) {
+        ASSERT_EQ(out[c * kStride + i], i < kTexels ? in[i * channels + c] : 1)
             << channels << " channels, " << i;
+        if (i < kTexels) {
+          ASSERT_NEAR(shown[c * kStride + i], out[c * kStride + i] * kCodeStep, 1e-6);
+        }
+      }
   }
 }
 
