@@ -9,6 +9,7 @@
 #include "devices/twin/specimen_pose.h"
 #include "processing/image/dng_file.h"
 #include "processing/image/linear_mosaic.h"
+#include "processing/image/parallel_rows.h"
 #include "processing/image/random.h"
 
 namespace patina::calibration {
@@ -19,16 +20,30 @@ namespace {
 
 constexpr Nanoseconds kRun = std::chrono::hours(100);
 
-// A lamp from the upper left, diffuse reflection, full well at 1.2.
-std::vector<float> lightOf(const SurfaceMaps& maps) {
-  std::vector<float> light;
-  const SizePx size = maps.height.size();
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) {
-      const float lit = -0.5f * maps.normal.at(x, y, 0) + 0.3f * maps.normal.at(x, y, 1) +
-                        0.81f * maps.normal.at(x, y, 2);
-      light.push_back(maps.diffuse.at(x, y, (x & 1) + (y & 1)) * std::max(lit, 0.0f));
+// A pixel sees the mean over its area: of 2x2 points, each without what is finer than half a pixel.
+constexpr int kAcross = 2;
+
+// A lamp from the upper left, diffuse reflection, full well at 1.2. `surface` has kAcross points
+// to a pixel across.
+std::vector<float> lightOf(const PreparedSurface& surface, double time, SizePx size) {
+  std::vector<float> light(static_cast<std::size_t>(size.width) * size.height);
+  forEachRow(size.height, std::int64_t{1} << 16, [&](int y) {
+    SurfaceRow row(size.width * kAcross);
+    float* seen = &light[static_cast<std::size_t>(y) * size.width];
+    for (int j = 0; j < kAcross; ++j) {
+      surface.rowAt(time, y * kAcross + j, row);
+      for (int k = 0; k < row.width(); ++k) {
+        const int x = k / kAcross;
+        const float lit = -0.5f * row[SurfaceRow::kNormalX][k] +
+                          0.3f * row[SurfaceRow::kNormalY][k] +
+                          0.81f * row[SurfaceRow::kNormalZ][k];
+        const auto colour =
+            static_cast<SurfaceRow::Channel>(SurfaceRow::kDiffuseR + (x & 1) + (y & 1));
+        seen[x] += row[colour][k] * std::max(lit, 0.0f);
+      }
     }
+    for (int x = 0; x < size.width; ++x) seen[x] /= kAcross * kAcross;
+  });
   return light;
 }
 
@@ -83,16 +98,25 @@ ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size)
 }
 
 std::vector<float> ShiftedSpecimen::lightAt(double time, PlacePx shift) const {
-  SampleGrid grid = SampleGrid::regular(size_, specimen_->info().width_mm);
-  for (float& x : grid.x_mm) x -= static_cast<float>(shift.x * grid.texel_mm);
-  for (float& y : grid.y_mm) y += static_cast<float>(shift.y * grid.texel_mm);  // y is up there
-  return lightOf(mapsAt(*specimen_->prepare(grid), time, size_));
+  SampleGrid grid = SampleGrid::regular({size_.width * kAcross, size_.height * kAcross},
+                                        specimen_->info().width_mm);
+  const double pixel_mm = specimen_->info().width_mm / size_.width;
+  for (float& x : grid.x_mm) x -= static_cast<float>(shift.x * pixel_mm);
+  for (float& y : grid.y_mm) y += static_cast<float>(shift.y * pixel_mm);  // y is up there
+  return lightOf(*specimen_->prepare(grid), time, size_);
 }
 
-Image<float> ShiftedSpecimen::developed(std::vector<float> light, std::uint64_t seed) const {
-  Image<float> picture = readOut(*sensor_, std::move(light), seed);
+Image<float> ShiftedSpecimen::developed(const std::vector<float>& light, std::uint64_t seed,
+                                        int frames) const {
+  Image<float> picture = readOut(*sensor_, light, seed);
+  for (int k = 1; k < frames; ++k) {
+    const Image<float> one =
+        readOut(*sensor_, light, hashSeed(seed, static_cast<std::uint64_t>(k)));
+    for (std::size_t i = 0; i < picture.texels().size(); ++i)
+      picture.texels()[i] += one.texels()[i];
+  }
   for (std::size_t k = 0; k < picture.texels().size(); ++k)
-    picture.texels()[k] /= flat_.texels()[k];
+    picture.texels()[k] /= flat_.texels()[k] * static_cast<float>(frames);
   return picture;
 }
 
@@ -106,9 +130,8 @@ Image<float> ShiftedSpecimen::withoutNoise(const std::vector<float>& light) cons
   return demosaicLinear(std::as_const(mosaic).view(), RawMosaic{}.cfa);
 }
 
-double ShiftedSpecimen::boundPx(double time) const {
-  const std::vector<float> light = lightAt(time, {}),
-                           falloff = lensFalloff(size_, referenceProfile().lens);
+double ShiftedSpecimen::boundPx(const std::vector<float>& light) const {
+  const std::vector<float> falloff = lensFalloff(size_, referenceProfile().lens);
   const Image<float> seen = withoutNoise(light);
   const SensorProfile& sensor = referenceProfile().sensor;
   const double step_e = sensor.electronsPerStep(),

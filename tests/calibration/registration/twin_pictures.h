@@ -14,8 +14,9 @@
 namespace patina::calibration {
 
 // A specimen from straight above without a lens, moved by a known shift: what the picture of no
-// shift shows at (x, y) this one shows at (x + shift.x, y + shift.y). Through sensor and mosaic,
-// demosaiced, flat-corrected; each `seed` has noise of its own.
+// shift shows at (x, y) this one shows at (x + shift.x, y + shift.y). Each pixel sees the mean over
+// its area; through sensor and mosaic, demosaiced, flat-corrected; each `seed` has noise of its
+// own.
 class ShiftedSpecimen {
  public:
   ShiftedSpecimen(const std::string& name, SizePx size);
@@ -23,11 +24,11 @@ class ShiftedSpecimen {
   // Cramer and Rao's bound of a shift between two such pictures, sqrt(x^2 + y^2): Fisher's matrix
   // of what the mosaic's pixels would see without noise, each by its colour's interpolated
   // gradient, under the profile's noise of both.
-  double boundPx(double time) const;
+  double boundPx(const std::vector<float>& light) const;
 
-  // In two steps: what reaches the sensor, [h][w], and what it makes of it.
+  // In two steps: what reaches the sensor, [h][w], and what it makes of it, as the mean of frames.
   std::vector<float> lightAt(double time, PlacePx shift) const;
-  Image<float> developed(std::vector<float> light, std::uint64_t seed) const;
+  Image<float> developed(const std::vector<float>& light, std::uint64_t seed, int frames = 1) const;
   Image<float> withoutNoise(const std::vector<float>& light) const;  // nor the lens's fall-off
   // The same light where a card of black dots, moved along, lies over the left quarter.
   std::vector<float> withCard(std::vector<float> light, PlacePx shift) const;
