@@ -23,12 +23,13 @@ std::vector<double> choleskyOf(std::span<const double> gram, std::size_t n) {
   return l;
 }
 
-constexpr int kGuideComponents = 8;
+constexpr int kLeadingComponents = 8, kFurtherComponents = 8, kFewComponents = 4,
+              kGuideComponents = 8;
 
 struct Components {
   std::size_t rank = 0;
   std::vector<float> scores;  // [texels of all images][rank]
-  double longest = 0, left_out = 0;
+  double longest = 0;
 };
 
 std::int64_t texelsOf(ImageView<const float> image) {
@@ -36,13 +37,12 @@ std::int64_t texelsOf(ImageView<const float> image) {
 }
 
 // Principal components of the texels of all images together, which have the same channels.
-Components leading(std::span<const ImageView<const float>> images, int components,
-                   Progress& progress) {
+Components componentsOf(std::span<const ImageView<const float>> images, Progress& progress) {
   const std::int64_t n = images[0].channels;
   std::int64_t m = 0;
   for (const ImageView<const float>& image : images) m += texelsOf(image);
   decomposition::SvdOptions options;
-  options.rank = static_cast<int>(std::min<std::int64_t>(components, std::min(m, n)));
+  options.rank = static_cast<int>(std::min(m, n));
   options.centre = true;
   const auto texel = [&](std::int64_t i) {
     std::size_t image = 0;
@@ -60,7 +60,6 @@ Components leading(std::span<const ImageView<const float>> images, int component
   Components out;
   out.rank = static_cast<std::size_t>(svd.rank);
   out.scores = std::move(svd.scores);
-  out.left_out = svd.relative_error * svd.relative_error;
   for (std::size_t i = 0; i < out.scores.size(); i += out.rank) {
     double length = 0;
     for (std::size_t k = 0; k < out.rank; ++k)
@@ -70,27 +69,26 @@ Components leading(std::span<const ImageView<const float>> images, int component
   return out;
 }
 
-constexpr int kFewComponents = 4;
-
-// Does nothing come after the first few components, once scaled and rounded?
-bool fewSuffice(const Components& components, double scale) {
-  const auto few = static_cast<std::size_t>(kFewComponents);
+// How many there are, once scaled and rounded: nothing but zeros come after them.
+int countOf(const Components& components, double scale) {
+  std::size_t count = 0;
   for (std::size_t i = 0; i < components.scores.size(); i += components.rank)
-    for (std::size_t k = few; k < components.rank; ++k)
-      if (std::lrint(scale * static_cast<double>(components.scores[i + k])) != 0) return false;
-  return true;
+    for (std::size_t k = count; k < components.rank; ++k)
+      if (std::lrint(scale * static_cast<double>(components.scores[i + k])) != 0) count = k + 1;
+  return static_cast<int>(count);
 }
 
-// The scores from texel `first` on, scaled, into components `at` on.
-void place(const Components& components, std::int64_t first, double scale, int at,
-           Image<std::int16_t>& to) {
-  const float* score = &components.scores[static_cast<std::size_t>(first) * components.rank];
-  for (int y = 0; y < to.height(); ++y)
-    for (int x = 0; x < to.width(); ++x)
-      for (std::size_t k = 0; k < components.rank; ++k, ++score)
-        if (at + static_cast<int>(k) < to.channels())
-          (&to.at(x, y, at))[k] =
-              static_cast<std::int16_t>(std::lrint(scale * static_cast<double>(*score)));
+// The scores from component `component` of texel `first` on, scaled, into channels [from, to).
+void place(const Components& components, std::int64_t first, int component, double scale, int from,
+           int to, Image<std::int16_t>& image) {
+  const int count = std::min(to - from, static_cast<int>(components.rank) - component);
+  const float* score =
+      &components.scores[static_cast<std::size_t>(first) * components.rank] + component;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x, score += components.rank)
+      for (int k = 0; k < count; ++k)
+        (&image.at(x, y, from))[k] =
+            static_cast<std::int16_t>(std::lrint(scale * static_cast<double>(score[k])));
 }
 
 }  // namespace
@@ -128,27 +126,41 @@ Image<float> euclidean(ImageView<const float> coefficients, std::span<const doub
   return out;
 }
 
-CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,
-                                int components, int patch, Progress& progress) {
-  PATINA_CHECK((components == 8 || components == 16) && patch >= 1 && !features.empty());
+CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides, int patch,
+                                Progress& progress) {
+  PATINA_CHECK(patch >= 1 && !features.empty());
   const bool guided = !guides.source.empty();
   PATINA_CHECK(!guided || (guides.source.size() == features.size() && !guides.target.empty() &&
                            guides.source.channels == guides.target.channels));
   const ImageView<const float> own[] = {features}, both[] = {guides.source, guides.target};
-  const Components style = leading(own, components, progress);
-  const Components guide = guided ? leading(both, kGuideComponents, progress) : Components{};
+  const Components style = componentsOf(own, progress);
+  const Components guide = guided ? componentsOf(both, progress) : Components{};
   const double longest = std::sqrt(style.longest * style.longest + guide.longest * guide.longest);
   CompactFeatures out;
-  out.left_out = std::max(style.left_out, guide.left_out);
   out.scale = longest > 0 ? 32767.0 / (2 * patch) / longest : 1;
-  if (!guided && fewSuffice(style, out.scale)) components = kFewComponents;
-  out.texels = Image<std::int16_t>(features.width, features.height,
-                                   components + (guided ? kGuideComponents : 0));
-  place(style, 0, out.scale, 0, out.texels);
-  if (!guided) return out;
-  place(guide, 0, out.scale, components, out.texels);
-  out.guide = Image<std::int16_t>(guides.target.width, guides.target.height, kGuideComponents);
-  place(guide, texelsOf(features), out.scale, 0, out.guide);
+  const int styles = countOf(style, out.scale), guide_count = countOf(guide, out.scale);
+  const auto addStyle = [&](int component, int room, int behind) {
+    CompactPart& part = out.parts.emplace_back();
+    part.texels = Image<std::int16_t>(features.width, features.height, room + behind);
+    place(style, 0, component, out.scale, 0, room, part.texels);
+  };
+  const auto addGuide = [&](int component, CompactPart& part) {
+    const int to = part.texels.channels();
+    place(guide, 0, component, out.scale, to - kGuideComponents, to, part.texels);
+    part.guide = Image<std::int16_t>(guides.target.width, guides.target.height, kGuideComponents);
+    place(guide, texelsOf(features), component, out.scale, 0, kGuideComponents, part.guide);
+  };
+  const int first = !guided && styles <= kFewComponents ? kFewComponents : kLeadingComponents;
+  addStyle(0, first, guided ? kGuideComponents : 0);
+  if (guided) addGuide(0, out.parts[0]);
+  for (int component = first; component < styles; component += kFurtherComponents)
+    addStyle(component, styles - component <= kFewComponents ? kFewComponents : kFurtherComponents,
+             0);
+  for (int component = kGuideComponents; component < guide_count; component += kGuideComponents) {
+    CompactPart& part = out.parts.emplace_back();
+    part.texels = Image<std::int16_t>(features.width, features.height, kGuideComponents);
+    addGuide(component, part);
+  }
   return out;
 }
 

@@ -21,24 +21,29 @@ namespace patina::patch {
 Image<float> euclidean(ImageView<const float> coefficients, std::span<const double> gram,
                        std::span<const double> weights);
 
-// Integers whose squared differences are scale^2 times the distance on the leading principal
-// components: a lower bound of it, short by `left_out` of the variance.
+// Integers whose squared differences are scale^2 times the distance, on principal components, in
+// parts: the leading ones, whose part of it is a bound below, and what is left of the others once
+// they are rounded.
+struct CompactPart {
+  Image<std::int16_t> texels;  // [h][w][4, 8 or 16]; in the first part the guides' 8 behind
+  Image<std::int16_t> guide;   // [h][w][8] of the target, where there are guides in this part
+};
 struct CompactFeatures {
-  Image<std::int16_t> texels;  // [h][w][components], the guides' behind
-  Image<std::int16_t> guide;   // [h][w][8] of the target, or empty
+  std::vector<CompactPart> parts;
   double scale = 1;
-  double left_out = 0;  // share of the variance, in [0,1]; the guides' where that is more
+
+  bool guided() const { return !parts[0].guide.empty(); }
 };
 // What the source and a target are besides alike in their features: channels 1 to 24, already
 // weighted. Both empty: none.
 struct GuidePair {
   ImageView<const float> source = {}, target = {};
 };
-// `components`: 8 or 16, of the features; 4 where there are no guides and the rest is nothing but
-// zeros, as with pictures. Guides take 8 more. Longest texel 32767 / (2 * patch): 25
-// squared differences stay in 31 bits at patch 5. Throws ProcessingError(kBadData) for a value that
-// is no number.
-CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides,
-                                int components, int patch, Progress& progress);
+// 8 components of the features lead; 4 where there are no guides and the rest is nothing but zeros,
+// as with pictures. Guides add 8 there; further parts have 4 or 8. Longest texel
+// 32767 / (2 * patch): squared differences of a patch stay in 31 bits. Throws
+// ProcessingError(kBadData) for a value that is no number.
+CompactFeatures compactFeatures(ImageView<const float> features, const GuidePair& guides, int patch,
+                                Progress& progress);
 
 }  // namespace patina::patch

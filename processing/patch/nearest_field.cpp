@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/patch/nearest_field.h"
 
-#include <immintrin.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -49,17 +48,13 @@ NearestField::NearestField(ImageView<const std::int16_t> source, double scale, S
       target_size_(target),
       options_(options),
       reach_(options.patch / 2),
-      corner_(reach_ * (source.width + 1)),
-      voted_(source.channels - (limits.guide.empty() ? 0 : limits.guide.channels)),
-      distance_(patchDistance(options.patch, source.channels, simdPath())),
       kept_(limits.kept.begin(), limits.kept.end()),
-      target_(target.width + 2 * reach_, target.height + 2 * reach_, source.channels),
+      leading_(source, target, options.patch, limits.guide),
       wakefulness_(target, options.wraps, kPassesAwake),
       order_(target, options.wraps) {
   options.check();
   PATINA_CHECK(std::min(source.width, source.height) >= options.patch &&
-               source.row_stride == std::ptrdiff_t{source.width} * source.channels &&
-               std::min(target.width, target.height) >= 1 && voted_ >= 4 && voted_ % 4 == 0 &&
+               std::min(target.width, target.height) >= 1 &&
                (kept_.empty() || kept_.size() == indexOf(0, target.height)));
   const double texels = static_cast<double>(target.width) * target.height,
                source_texels = static_cast<double>(source.width) * source.height,
@@ -69,19 +64,15 @@ NearestField::NearestField(ImageView<const std::int16_t> source, double scale, S
   least_gain_ =
       static_cast<std::int32_t>(std::min(kLeastGain * options.uniformity * scale * scale, 1e9));
   usable_ = usablePatches(limits.usable, source.size(), options.patch);
-  if (!limits.guide.empty()) placeGuide(limits.guide);
+  for (const FurtherComponents& more : limits.further) {
+    PATINA_CHECK(more.source.size() == source.size());
+    further_.emplace_back(more.source, target, options.patch, more.guide);
+  }
   if (options.search == SearchKind::kCoherent && limits.coarse != nullptr)
     similar_.emplace_back(limits.coarse->similar_[0], limits.coarse->source_.size(), source.size(),
                           options.patch, usable_);
   else if (options.search == SearchKind::kCoherent)
     similar_.emplace_back(source, options.patch, usable_, options.similar);
-}
-
-void NearestField::placeGuide(ImageView<const std::int16_t> guide) {
-  PATINA_CHECK(guide.size() == target_size_);
-  for (int y = 0; y < target_size_.height; ++y)
-    for (int x = 0; x < target_size_.width; ++x)
-      std::copy_n(&guide.at(x, y), guide.channels, &target_.at(x + reach_, y + reach_, voted_));
 }
 
 void NearestField::start(std::vector<std::int32_t> centres) {
@@ -126,59 +117,6 @@ Votes NearestField::votes() const {
   return {centres_, target_size_, source_.width, reach_, options_.wraps, kept_};
 }
 
-void NearestField::voteTexel(const Votes& votes, int x, int y) {
-  int first = 0;
-  for (; first + 8 <= voted_; first += 8) {
-    __m128i low = _mm_setzero_si128(), high = low;
-    const int count = forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
-      const __m128i v = _mm_loadu_si128(reinterpret_cast<const __m128i*>(
-          source_.data + static_cast<std::ptrdiff_t>(texel) * source_.channels + first));
-      low = _mm_add_epi32(low, _mm_cvtepi16_epi32(v));
-      high = _mm_add_epi32(high, _mm_cvtepi16_epi32(_mm_unpackhi_epi64(v, v)));
-    });
-    const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(count));
-    low = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(low), share));
-    high = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(high), share));
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(&target_.at(x + reach_, y + reach_, first)),
-                     _mm_packs_epi32(low, high));
-  }
-  if (first < voted_) voteFour(votes, x, y, first);
-}
-
-void NearestField::voteFour(const Votes& votes, int x, int y, int first) {
-  __m128i sum = _mm_setzero_si128();
-  const int count = forEachVote(votes, x, y, [&](std::int32_t texel, int, int) {
-    sum = _mm_add_epi32(
-        sum, _mm_cvtepi16_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(
-                 source_.data + static_cast<std::ptrdiff_t>(texel) * source_.channels + first))));
-  });
-  const __m128 share = _mm_set1_ps(1.0f / static_cast<float>(count));
-  sum = _mm_cvtps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(sum), share));
-  _mm_storel_epi64(reinterpret_cast<__m128i*>(&target_.at(x + reach_, y + reach_, first)),
-                   _mm_packs_epi32(sum, sum));
-}
-
-void NearestField::padTarget() {
-  const int width = target_size_.width, height = target_size_.height, channels = target_.channels();
-  const ImageView<std::int16_t> view = target_.view();
-  const auto from = [&](int i, int length) {
-    const int inside =
-        options_.wraps ? (i % length + length) % length : std::clamp(i, 0, length - 1);
-    return inside + reach_;
-  };
-  for (int y = reach_; y < height + reach_; ++y)
-    for (int i = -reach_; i < 0; ++i) {
-      std::copy_n(&view.at(from(i, width), y), channels, &view.at(i + reach_, y));
-      const int right = width - 1 - i;
-      std::copy_n(&view.at(from(right, width), y), channels, &view.at(right + reach_, y));
-    }
-  for (int i = -reach_; i < 0; ++i) {
-    std::copy_n(view.row(from(i, height)), view.row_stride, view.row(i + reach_));
-    const int below = height - 1 - i;
-    std::copy_n(view.row(from(below, height)), view.row_stride, view.row(below + reach_));
-  }
-}
-
 void NearestField::vote() {
   const Votes all = votes();
   const std::vector<std::uint8_t> texels = wakefulness_.takeChangesWithin(reach_),
@@ -186,15 +124,19 @@ void NearestField::vote() {
   constexpr std::int64_t kCostTexel = 30;
   forEachRow(target_size_.height, kCostTexel * target_size_.width, [&](int y) {
     for (int x = 0; x < target_size_.width; ++x)
-      if (texels[indexOf(x, y)] != 0) voteTexel(all, x, y);
+      if (texels[indexOf(x, y)] != 0) {
+        leading_.vote(all, x, y);
+        for (PatchComponents& more : further_) more.vote(all, x, y);
+      }
   });
-  padTarget();
+  leading_.pad(options_.wraps);
+  for (PatchComponents& more : further_) more.pad(options_.wraps);
   forEachRow(target_size_.height, kCostTexel * target_size_.width, [&](int y) {
     for (int x = 0; x < target_size_.width; ++x) {
       const std::size_t i = indexOf(x, y);
       if (patches[i] != 0)
-        distances_[i] = distance_(&target_.at(x, y), sourceCorner(centres_[i]),
-                                  target_.view().row_stride, source_.row_stride, INT_MAX);
+        distances_[i] = further(leading_.distance(leading_.patchAt(x, y), centres_[i], INT_MAX), x,
+                                y, centres_[i], INT_MAX);
     }
   });
 }
@@ -261,6 +203,15 @@ std::int32_t NearestField::neighbour(int x, int y) const {
   return static_cast<std::int32_t>(indexOf(x, y));
 }
 
+std::int32_t NearestField::further(std::int32_t distance, int x, int y, std::int32_t centre,
+                                   std::int32_t bound) const {
+  for (const PatchComponents& more : further_) {
+    if (distance >= bound) break;
+    distance += more.distance(more.patchAt(x, y), centre, bound - distance);
+  }
+  return distance;
+}
+
 struct NearestField::Judge {
   NearestField& field;
   const Occupancy& occupancy;
@@ -277,9 +228,9 @@ struct NearestField::Judge {
     const std::int32_t its_penalty = penalty(centre),
                        bound = best.distance + best.penalty - its_penalty - field.least_gain_;
     if (bound <= 0) return;
-    const std::int32_t distance =
-        field.distance_(target, field.sourceCorner(centre), field.target_.view().row_stride,
-                        field.source_.row_stride, bound);
+    std::int32_t distance = field.leading_.distance(target, centre, bound);
+    if (distance >= bound) return;
+    distance = field.further(distance, x, y, centre, bound);
     if (distance < bound) best = {centre, distance, its_penalty};
   }
   // Candidates lie anywhere in the source: asked for before the neighbours' are judged.
@@ -288,8 +239,8 @@ struct NearestField::Judge {
     const std::int32_t* at = similar.of(to);
     for (int k = 0; k < similar.count() && at[k] >= 0; ++k) {
       occupancy.fetch(at[k]);
-      __builtin_prefetch(field.sourceCorner(at[k]));
-      __builtin_prefetch(field.sourceCorner(at[k] + field.source_.width));
+      __builtin_prefetch(field.leading_.sourcePatch(at[k]));
+      __builtin_prefetch(field.leading_.sourcePatch(at[k] + field.source_.width));
     }
   }
   void proposeSimilar(std::int32_t to) {
@@ -324,7 +275,8 @@ struct NearestField::Judge {
 
 void NearestField::judge(const Lane& lane, int x, int y, int pass, int ahead) {
   const std::size_t at = indexOf(x, y);
-  Judge judge{*this, lane.occupancy, x, y, &target_.at(x, y), {centres_[at], distances_[at], 0}};
+  Judge judge{*this, lane.occupancy,         x,
+              y,     leading_.patchAt(x, y), {centres_[at], distances_[at], 0}};
   judge.best.penalty = judge.penalty(centres_[at]);
   if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
   for (const Step before : {Step{-ahead, 0}, Step{0, -ahead}})

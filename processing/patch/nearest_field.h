@@ -5,9 +5,10 @@
 //
 //   distance(p, q) + uniformity * occupancy(q)
 //
-// is lower. Occupancy has to be current when a candidate is judged: brought up to date once a pass,
-// it lets all patches run to the same places and never settles. It is current here, and the result
-// is the same for any number of threads: see docs/decisions/0015.
+// is lower. Distances are of all components: the leading ones are a bound below that spares most
+// candidates the rest. Occupancy has to be current when a candidate is judged: brought up to date
+// once a pass, it lets all patches run to the same places and never settles. It is current here,
+// and the result is the same for any number of threads: see docs/decisions/0015.
 //
 // A lane is a band of the target's columns of tiles; it sweeps its band tile by tile, in step with
 // the others, so that tiles in work never touch. It has its own copy of the occupancy: what all
@@ -22,7 +23,7 @@
 #include "processing/image/image.h"
 #include "processing/patch/lanes.h"
 #include "processing/patch/occupancy.h"
-#include "processing/patch/patch_distance.h"
+#include "processing/patch/patch_components.h"
 #include "processing/patch/similar_patches.h"
 #include "processing/patch/votes.h"
 #include "processing/patch/wakefulness.h"
@@ -47,6 +48,12 @@ struct FieldOptions {
 
 class NearestField;
 
+// Components that candidates are compared on before they are taken: [h][w][4 or 8] of the source,
+// borrowed; and of the target [h][w][8], where they are guides.
+struct FurtherComponents {
+  ImageView<const std::int16_t> source, guide = {};
+};
+
 // What limits a field. All spans are copied.
 struct FieldLimits {
   std::span<const std::uint8_t> usable = {};  // [h][w] of the source: no patch covers a 0
@@ -54,8 +61,9 @@ struct FieldLimits {
                                               // shown there whatever the patches say; -1: none
   ImageView<const std::int16_t> guide = {};   // [h][w][n] of the target; n a multiple of 8. The
                                               // source's last n components are its guides
-  const NearestField* coarse = nullptr;       // of the level above: what is similar there is taken
-                                              // to be similar here. Null: an index is made
+  std::span<const FurtherComponents> further = {};
+  const NearestField* coarse = nullptr;  // of the level above: what is similar there is taken
+                                         // to be similar here. Null: an index is made
 };
 
 struct FieldEnergy {
@@ -65,7 +73,7 @@ struct FieldEnergy {
 
 class NearestField {
  public:
-  // `source` [h][w][4, 8, 16 or 24] integers, `scale` times the features meant; borrowed, rows
+  // `source` [h][w][4, 8 or 16] integers, `scale` times the features meant; borrowed, rows
   // without gaps. Both sizes at least `patch`. Throws ProcessingError(kUsage) where no patch is
   // usable.
   NearestField(ImageView<const std::int16_t> source, double scale, SizePx target,
@@ -98,13 +106,13 @@ class NearestField {
   };
   struct Judge;  // of one target patch, in one lane
 
-  void placeGuide(ImageView<const std::int16_t> guide);
   void takeOver(int lane, int step);  // what the other lanes changed in it
   void sweep(int lane, int step, int pass, bool forward);
   void judge(const Lane& lane, int x, int y, int pass, int ahead);
-  void voteTexel(const Votes& votes, int x, int y);
-  void voteFour(const Votes& votes, int x, int y, int first);
-  void padTarget();
+  // `distance` of the leading components, and all others': as soon as that is no less than `bound`,
+  // some of them.
+  std::int32_t further(std::int32_t distance, int x, int y, std::int32_t centre,
+                       std::int32_t bound) const;
   bool fixed(std::size_t at) const {
     return !kept_.empty() && kept_[at] >= 0 && usable_[static_cast<std::size_t>(kept_[at])] != 0;
   }
@@ -114,23 +122,19 @@ class NearestField {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(target_size_.width) +
            static_cast<std::size_t>(x);
   }
-  const std::int16_t* sourceCorner(std::int32_t centre) const {
-    return source_.data + static_cast<std::ptrdiff_t>(centre - corner_) * source_.channels;
-  }
 
   ImageView<const std::int16_t> source_;
   double scale_;
   SizePx target_size_;
   FieldOptions options_;
-  int reach_, corner_, voted_;  // corner_: from a centre to its patch's corner, in texels; voted_:
-                                // components that are voted, the guide's behind them
+  int reach_;
   float penalty_scale_;
   std::int32_t least_gain_;  // of a candidate that is taken
-  PatchDistance distance_;
   std::vector<std::uint8_t> usable_;
   std::vector<std::int32_t> kept_;
   std::vector<SimilarPatches> similar_;  // one, or none for PatchMatch
-  Image<std::int16_t> target_;           // with a margin of `reach_`: its edge, or its other side
+  PatchComponents leading_;
+  std::vector<PatchComponents> further_;
   std::vector<std::int32_t> centres_, distances_;
   Wakefulness wakefulness_;
 

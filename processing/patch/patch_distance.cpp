@@ -120,11 +120,10 @@ PatchDistance on(SimdPath path) {
 
 template <int kPatch>
 PatchDistance of(int components, SimdPath path) {
-  PATINA_CHECK(components == 4 || components == 8 || components == 16 || components == 24);
-  return components == 4    ? on<kPatch, 4>(path)
-         : components == 8  ? on<kPatch, 8>(path)
-         : components == 16 ? on<kPatch, 16>(path)
-                            : on<kPatch, 24>(path);
+  PATINA_CHECK(components == 4 || components == 8 || components == 16);
+  return components == 4   ? on<kPatch, 4>(path)
+         : components == 8 ? on<kPatch, 8>(path)
+                           : on<kPatch, 16>(path);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using PatchDistance = std::int32_t (*)(const std::int16_t* a, const std::int16_t
                                        std::ptrdiff_t a_stride, std::ptrdiff_t b_stride,
                                        std::int32_t bound);
 
-// For patches of `patch` x `patch` texels (3, 5 or 7) of `components` numbers (4, 8, 16 or 24).
+// For patches of `patch` x `patch` texels (3, 5 or 7) of `components` numbers (4, 8 or 16).
 PatchDistance patchDistance(int patch, int components, SimdPath path);
 
 }  // namespace patina::patch

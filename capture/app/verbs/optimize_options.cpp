@@ -62,9 +62,7 @@ void addOptimizeOptions(Verb& verb, OptimizeArguments& into) {
       .option("--effort", into.effort, "quick|full",
               "Quick: fewer rounds, one on the finest level (default: full; of a picture: quick)")
       .option("--rounds", into.optimize.rounds, 1, 1000, "Of search and vote, a level (default: 8)")
-      .option("--passes", into.optimize.passes, 1, 1000, "Of search, a round (default: 2)")
-      .option("--components", into.optimize.components, 8, 16,
-              "Compared of each texel: 8, or 16 for busy materials (default: 8)");
+      .option("--passes", into.optimize.passes, 1, 1000, "Of search, a round (default: 2)");
 }
 
 void settle(OptimizeArguments& arguments, const Context& context) {
@@ -121,8 +119,7 @@ void describe(const optimization::OptimizedField& field, double uniformity, Item
   item.set("levels", field.levels)
       .set("energy", Value{field.energy.patch + uniformity * field.energy.occupancy})
       .set("patch_energy", Value{field.energy.patch})
-      .set("occupancy", Value{field.energy.occupancy})
-      .set("left_out", Value{field.left_out});
+      .set("occupancy", Value{field.energy.occupancy});
   const optimization::CopiesApart copies = optimization::copiesApart(field);
   item.set("shown_again", Value{copies.shown_again})
       .set("copies_apart_least", Value{copies.least})

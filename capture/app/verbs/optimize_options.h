@@ -28,7 +28,7 @@ texture_optimization::Constraints constraintsOf(const OptimizeArguments& argumen
 // Throws AppError(kUsage) with the forecast where `bytes` are more than the machine has.
 void refuseBeyondMemory(std::int64_t bytes);
 
-// energy, patch_energy, occupancy, left_out, levels, and how far apart copies of a place are.
+// energy, patch_energy, occupancy, levels, and how far apart copies of a place are.
 void describe(const texture_optimization::OptimizedField& field, double uniformity, Item& item);
 
 }  // namespace patina::app

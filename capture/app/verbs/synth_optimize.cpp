@@ -43,7 +43,6 @@ std::string provenanceOf(const Options& options, const Context& context) {
   making.options.text("effort", options.arguments.effort);
   making.options.count("rounds", optimize.rounds);
   making.options.count("passes", optimize.passes);
-  making.options.count("components", optimize.components);
   making.options.text("search", options.arguments.search);
   return making.facts().json();
 }

@@ -104,11 +104,12 @@ std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
   for (const stbrdf::TimeMap& map : set.maps) channels += map.coefficients[0].channels();
   const std::int64_t source = std::int64_t{set.size().width} * set.size().height,
                      result = std::int64_t{size.width} * size.height, terms = set.degree + 1;
-  // Of a source texel: the set, twice beside it for features and votes, and the search's index and
-  // counts. Of a result texel: the set, and the field with what the search needs.
-  constexpr std::int64_t kFloat = 4, kSearch = 200, kField = 60;
-  return source * (3 * kFloat * channels * terms + kSearch) +
-         result * (kFloat * channels * terms + kField);
+  // Of a source texel: the set, three times beside it for features, components and votes, and the
+  // search's index and counts. Of a result texel: the set, its components as integers, and the
+  // field with what the search needs.
+  constexpr std::int64_t kFloat = 4, kInteger = 2, kSearch = 200, kField = 60;
+  return source * (4 * kFloat * channels * terms + kSearch) +
+         result * ((kFloat + kInteger) * channels * terms + kField);
 }
 
 Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,

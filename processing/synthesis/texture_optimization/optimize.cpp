@@ -79,20 +79,38 @@ void checkMasks(SizePx source, const OptimizeOptions& options, const Constraints
 // A sample and what limits its result, on one level.
 struct Level {
   SizePx source_size, target_size;
-  Image<std::int16_t> source, guide;
+  std::vector<patch::CompactPart> parts;
   std::vector<std::uint8_t> usable;
   std::vector<std::int32_t> kept;
 };
 Level levelOf(int level, const patch::CompactFeatures& compact, SizePx size,
               const Constraints& constraints) {
-  const SizePx whole = compact.texels.size(), source = halved(whole, level),
+  const SizePx whole = compact.parts[0].texels.size(), source = halved(whole, level),
                target = halved(size, level);
-  return {.source_size = source,
-          .target_size = target,
-          .source = averaged(compact.texels, source),
-          .guide = averaged(compact.guide, target),
-          .usable = allBeneath(constraints.usable, whole, source),
-          .kept = keptBeneath(constraints.kept, size, target, whole, source)};
+  Level out{.source_size = source,
+            .target_size = target,
+            .parts = {},
+            .usable = allBeneath(constraints.usable, whole, source),
+            .kept = keptBeneath(constraints.kept, size, target, whole, source)};
+  for (const patch::CompactPart& part : compact.parts)
+    out.parts.push_back({averaged(part.texels, source), averaged(part.guide, target)});
+  return out;
+}
+
+std::unique_ptr<patch::NearestField> fieldOf(const Level& level, double scale,
+                                             const patch::FieldOptions& options,
+                                             const patch::NearestField* coarse) {
+  std::vector<patch::FurtherComponents> further;
+  for (std::size_t i = 1; i < level.parts.size(); ++i)
+    further.push_back({level.parts[i].texels.view(), level.parts[i].guide.view()});
+  const patch::CompactPart& leading = level.parts[0];
+  return std::make_unique<patch::NearestField>(leading.texels.view(), scale, level.target_size,
+                                               options,
+                                               patch::FieldLimits{.usable = level.usable,
+                                                                  .kept = level.kept,
+                                                                  .guide = leading.guide.view(),
+                                                                  .further = further,
+                                                                  .coarse = coarse});
 }
 
 // What is shown before the first search, and the level it stands on.
@@ -107,7 +125,7 @@ struct Beginning {
 };
 Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptions& options,
                       const Constraints& constraints, Progress& progress) {
-  const SizePx whole = compact.texels.size();
+  const SizePx whole = compact.parts[0].texels.size();
   const int coarsest = levelsFor(whole, options, constraints) - 1;
   int level = coarsest;
   const auto side = [&] {
@@ -116,10 +134,10 @@ Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptio
   };
   while (level > 0 && side() < kLayoutSidePx) --level;
   // A guide says itself what goes where.
-  if (compact.guide.empty()) {
+  if (!compact.guided()) {
     const Level there = levelOf(level, compact, options.size, constraints);
     std::vector<std::int32_t> centres =
-        laidOut(there.source.view(), there.target_size,
+        laidOut(there.parts[0].texels.view(), there.target_size,
                 {.wraps = options.field.wraps, .usable = there.usable, .kept = there.kept},
                 options.field.seed, progress);
     if (!centres.empty())
@@ -142,8 +160,6 @@ void OptimizeOptions::check(SizePx source) const {
   if (size.width > 32768 || size.height > 32768) refuse("the result is larger than 32768 texels");
   if (rounds < 1 || rounds > 1000 || passes < 1 || passes > 1000)
     refuse("rounds and passes lie between 1 and 1000");
-  if (components != 8 && components != 16)
-    refuse("components are " + std::to_string(components) + "; allowed: 8, 16");
   if (coarsest_px < field.patch + 1) refuse("the coarsest level is no larger than the patch");
 }
 
@@ -155,9 +171,7 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
   checkMasks(whole, options, constraints);
   const patch::CompactFeatures compact = patch::compactFeatures(
       features, {constraints.sample_guide.view(), constraints.result_guide.view()},
-      options.components, options.field.patch, progress);
-  const bool guided = !compact.guide.empty();
-  const int guide_channels = guided ? compact.guide.channels() : 0;
+      options.field.patch, progress);
   Beginning beginning = beginningOf(compact, options, constraints, progress);
   OptimizedField out{.size = options.size,
                      .source = whole,
@@ -167,7 +181,6 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
                      .kept = constraints.kept,
                      .gain = {},
                      .energy = {},
-                     .left_out = compact.left_out,
                      .levels = beginning.level + 1};
   // Work of a level grows with its texels.
   const auto work = [&](int level) {
@@ -186,16 +199,11 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
     if (level > 0) field_options.uniformity *= kCoarseUniformity;
     field_options.seed = hashSeed(options.field.seed, static_cast<std::uint64_t>(level));
     const bool quick = options.effort == Effort::kQuick && level == 0;
-    auto own = std::make_unique<patch::NearestField>(
-        here.source.view(), compact.scale, here.target_size, field_options,
-        patch::FieldLimits{.usable = here.usable,
-                           .kept = here.kept,
-                           .guide = here.guide.view(),
-                           .coarse = quick ? coarse.get() : nullptr});
+    auto own = fieldOf(here, compact.scale, field_options, quick ? coarse.get() : nullptr);
     patch::NearestField& field = *own;
     field.start(refined(shown.centres, shown.source_size, shown.target_size, here.source_size,
                         here.target_size, options.field.patch / 2));
-    if (beginning.joined && !guided) field.wakeSeams();
+    if (beginning.joined && !compact.guided()) field.wakeSeams();
     beginning.joined = true;
     field.vote();
     for (int round = 0; round < rounds(level); ++round) {
@@ -208,8 +216,9 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
     coarse = std::move(own);
   }
   out.centres = std::move(shown.centres);
-  out.gain =
-      contrastLost(compact.texels.view(), compact.texels.channels() - guide_channels, out.votes());
+  const patch::CompactPart& leading = compact.parts[0];
+  out.gain = contrastLost(leading.texels.view(),
+                          leading.texels.channels() - leading.guide.channels(), out.votes());
   return out;
 }
 

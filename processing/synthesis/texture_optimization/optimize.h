@@ -2,9 +2,10 @@
 // Texture optimisation (Kwatra et al. 2005) from coarse to fine: search for each patch of the
 // result the patch of the sample that is most like it, then let all patches over a texel vote for
 // it. Where we depart from Meister et al. 2021: levels are averages, not point samples; distances
-// are integers on a few principal components; uses are counted exactly (patch/nearest_field.h) and
-// weigh more on coarse levels; on the coarsest, blocks are laid out so that copies of a place lie
-// apart (layout.h); the last vote keeps its contrast (sharp_vote.h).
+// are integers on principal components, a few of which spare most candidates the others; uses are
+// counted exactly (patch/nearest_field.h) and weigh more on coarse levels; on the coarsest, blocks
+// are laid out so that copies of a place lie apart (layout.h); the last vote keeps its contrast
+// (sharp_vote.h).
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,6 @@ struct OptimizeOptions {
   Effort effort = Effort::kFull;
   int rounds = 8;                   // of search and vote, a level; at most, where quick
   int passes = 2;                   // over what is awake, a round
-  int components = 8;               // compared at most; 8 or 16
   int coarsest_px = 11;             // side of the smallest level of the sample, at least
   void check(SizePx source) const;  // throws ProcessingError(kUsage): field, value, range
 };
@@ -43,9 +43,8 @@ struct OptimizedField {
   std::vector<std::int32_t> centres;  // [h][w], y * source width + x
   std::vector<std::int32_t> kept;     // as in the constraints
   VoteGain gain;
-  patch::FieldEnergy energy;  // on the compared components
-  double left_out = 0;        // share of the features' variance that they leave out
-  int levels = 0;             // that were searched
+  patch::FieldEnergy energy;
+  int levels = 0;  // that were searched
 
   patch::Votes votes() const { return {centres, size, source.width, patch / 2, wraps, kept}; }
 };

@@ -8,8 +8,8 @@
 namespace patina::texture_optimization {
 namespace {
 
-constexpr int kRank = 16;  // of histories; what is compared is the leading part of it
-constexpr std::int64_t kFloatBytes = 4, kSearchBytes = 200, kFieldBytes = 60;
+constexpr int kRank = 16;  // of histories, as they are compared
+constexpr std::int64_t kFloatBytes = 4, kSearchBytes = 200, kFieldBytes = 80;
 
 std::int64_t texelsOf(SizePx size) { return std::int64_t{size.width} * size.height; }
 

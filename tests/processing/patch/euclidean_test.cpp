@@ -64,36 +64,47 @@ TEST(Euclidean, LeavesChannelsWithoutWeightOut) {
   EXPECT_THROW(euclidean(cubic.view(), hilbert(), std::vector<double>{1, -1}), ProcessingError);
 }
 
-// Three directions matter, five hardly: nothing is left out of note, and bounds stay below.
-TEST(CompactFeatures, AreALowerBoundOfTheDistance) {
-  Image<float> features(30, 30, 12);
+double squared(const Image<std::int16_t>& image, int x0, int y0, int x1, int y1) {
+  double sum = 0;
+  for (int c = 0; c < image.channels(); ++c)
+    sum += std::pow(image.at(x0, y0, c) - image.at(x1, y1, c), 2);
+  return sum;
+}
+
+// Twenty directions matter less and less: the leading part is a bound below, all parts are exact.
+TEST(CompactFeatures, BoundTheDistanceAndHoldAllOfIt) {
+  Image<float> features(30, 30, 20);
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 30; ++x)
-      for (int c = 0; c < 12; ++c)
-        features.at(x, y, c) = static_cast<float>(gaussian(hashSeed(x, y, c)) / (1 + c * c));
+      for (int c = 0; c < 20; ++c)
+        features.at(x, y, c) = static_cast<float>(gaussian(hashSeed(x, y, c)) / (1 + c));
   Progress progress;
-  const CompactFeatures compact = compactFeatures(features.view(), {}, 8, 5, progress);
-  EXPECT_GT(compact.left_out, 0);
-  EXPECT_LT(compact.left_out, 1e-3);
+  const CompactFeatures compact = compactFeatures(features.view(), {}, 5, progress);
+  ASSERT_EQ(compact.parts.size(), 3u);
+  EXPECT_EQ(compact.parts[0].texels.channels(), 8);
+  EXPECT_EQ(compact.parts[1].texels.channels(), 8);
+  EXPECT_EQ(compact.parts[2].texels.channels(), 4);
+  double least_share = 1;
   for (int i = 0; i < 200; ++i) {
     const int x = i % 30, y = i / 30;
-    double sum = 0;
-    for (int c = 0; c < 8; ++c)
-      sum += std::pow(compact.texels.at(x, y, c) - compact.texels.at(29, 29, c), 2);
-    const double exact = squared(features, x, y, 29, 29),
-                 ours = sum / compact.scale / compact.scale;
-    EXPECT_LT(ours, exact * 1.005 + 1e-6);
-    EXPECT_GT(ours, exact * 0.95 - 0.01);
+    const double exact = squared(features, x, y, 29, 29) * compact.scale * compact.scale,
+                 leading = squared(compact.parts[0].texels, x, y, 29, 29);
+    double all = 0;
+    for (const CompactPart& part : compact.parts) all += squared(part.texels, x, y, 29, 29);
+    EXPECT_NEAR(all, exact, 0.01 * exact + 20);
+    EXPECT_LE(leading, all);
+    least_share = std::min(least_share, leading / all);
   }
+  EXPECT_LT(least_share, 0.9);
 }
 
 TEST(CompactFeatures, TakeFewerChannelsThanComponents) {
   Image<float> features(6, 6, 3);
   features.at(2, 3, 1) = 1;
   Progress progress;
-  const CompactFeatures compact = compactFeatures(features.view(), {}, 8, 3, progress);
-  EXPECT_EQ(compact.texels.channels(), 4);
-  EXPECT_EQ(compact.texels.at(2, 3, 3), 0);
+  const CompactFeatures compact = compactFeatures(features.view(), {}, 3, progress);
+  EXPECT_EQ(compact.parts[0].texels.channels(), 4);
+  EXPECT_EQ(compact.parts[0].texels.at(2, 3, 3), 0);
 }
 
 TEST(CompactFeatures, AreFourWhereTheRestIsNothing) {
@@ -103,10 +114,10 @@ TEST(CompactFeatures, AreFourWhereTheRestIsNothing) {
       for (int c = 0; c < 4; ++c)
         features.at(x, y, c) = static_cast<float>(gaussian(hashSeed(x, y, c)));
   Progress progress;
-  EXPECT_EQ(compactFeatures(features.view(), {}, 8, 5, progress).texels.channels(), 4);
+  EXPECT_EQ(compactFeatures(features.view(), {}, 5, progress).parts[0].texels.channels(), 4);
   for (int i = 0; i < 30; ++i)
     features.at(i, 7, 4) = 0.1f * static_cast<float>(gaussian(hashSeed(i)));
-  EXPECT_EQ(compactFeatures(features.view(), {}, 8, 5, progress).texels.channels(), 8);
+  EXPECT_EQ(compactFeatures(features.view(), {}, 5, progress).parts[0].texels.channels(), 8);
 }
 
 TEST(CompactFeatures, MeasureGuidesOnOneScaleWithTheRest) {
@@ -120,14 +131,33 @@ TEST(CompactFeatures, MeasureGuidesOnOneScaleWithTheRest) {
   fill(to, 3);
   Progress progress;
   const CompactFeatures compact =
-      compactFeatures(features.view(), {from.view(), to.view()}, 8, 5, progress);
-  ASSERT_EQ(compact.texels.channels(), 16);
-  ASSERT_EQ(compact.guide.size(), to.size());
-  EXPECT_NEAR(compact.left_out, 0, 1e-6);
+      compactFeatures(features.view(), {from.view(), to.view()}, 5, progress);
+  ASSERT_EQ(compact.parts[0].texels.channels(), 16);
+  ASSERT_EQ(compact.parts[0].guide.size(), to.size());
   double exact = 0, ours = 0;
   for (int c = 0; c < 2; ++c) exact += std::pow(from.at(4, 7, c) - to.at(22, 11, c), 2);
   for (int c = 0; c < 8; ++c)
-    ours += std::pow(compact.texels.at(4, 7, 8 + c) - compact.guide.at(22, 11, c), 2);
+    ours +=
+        std::pow(compact.parts[0].texels.at(4, 7, 8 + c) - compact.parts[0].guide.at(22, 11, c), 2);
+  EXPECT_NEAR(ours / compact.scale / compact.scale, exact, 0.01 * exact);
+}
+
+TEST(CompactFeatures, HoldEveryGuide) {
+  Image<float> features(20, 20, 3), from(20, 20, 20), to(30, 25, 20);
+  for (std::size_t i = 0; i < from.texels().size(); ++i)
+    from.texels()[i] = static_cast<float>(gaussian(hashSeed(2, i)));
+  for (std::size_t i = 0; i < to.texels().size(); ++i)
+    to.texels()[i] = static_cast<float>(gaussian(hashSeed(3, i)));
+  Progress progress;
+  const CompactFeatures compact =
+      compactFeatures(features.view(), {from.view(), to.view()}, 5, progress);
+  ASSERT_EQ(compact.parts.size(), 3u);
+  double exact = 0, ours = 0;
+  for (int c = 0; c < 20; ++c) exact += std::pow(from.at(4, 7, c) - to.at(22, 11, c), 2);
+  for (const CompactPart& part : compact.parts)
+    for (int c = 0; c < 8; ++c)
+      ours += std::pow(
+          part.texels.at(4, 7, part.texels.channels() - 8 + c) - part.guide.at(22, 11, c), 2);
   EXPECT_NEAR(ours / compact.scale / compact.scale, exact, 0.01 * exact);
 }
 

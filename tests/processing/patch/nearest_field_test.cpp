@@ -91,6 +91,64 @@ TEST(NearestField, CountsUsesExactlyAfterManySteps) {
   EXPECT_NEAR(out.after.occupancy, sum / (kTarget * kTarget) / even, 1e-9);
 }
 
+// Squared difference of a target patch, as the field `shown` votes it, and a source patch; on all
+// of `parts`, over the whole patch.
+double distanceOf(const std::vector<std::int32_t>& shown, int x, int y, std::int32_t centre,
+                  std::span<const Image<std::int16_t>> parts) {
+  const Votes votes{shown, {kTarget, kTarget}, kSource, 2, true, {}};
+  double sum = 0;
+  for (int dy = -2; dy <= 2; ++dy)
+    for (int dx = -2; dx <= 2; ++dx)
+      for (const Image<std::int16_t>& part : parts)
+        for (int c = 0; c < 4; ++c) {
+          double mean = 0;
+          const auto value = [&](std::int32_t at) {
+            return static_cast<double>(part.at(at % kSource, at / kSource, c));
+          };
+          const int count =
+              forEachVote(votes, (x + dx + kTarget) % kTarget, (y + dy + kTarget) % kTarget,
+                          [&](std::int32_t at, int, int) { mean += value(at); });
+          sum += std::pow(mean / count - value(centre + dy * kSource + dx), 2);
+        }
+  return sum;
+}
+
+// The leading components tell little, others much: a patch that is taken is nearer on all of them.
+TEST(NearestField, TakesWhatIsNearerOnAllComponents) {
+  std::vector<Image<std::int16_t>> parts(2, Image<std::int16_t>(kSource, kSource, 4));
+  for (int y = 0; y < kSource; ++y)
+    for (int x = 0; x < kSource; ++x)
+      for (int c = 0; c < 2; ++c) {
+        parts[0].at(x, y, c) = blobs().at(x, y, c);
+        parts[1].at(x, y, c) = static_cast<std::int16_t>(
+            uniformBelow(hashSeed(static_cast<std::uint64_t>(4 * (y * kSource + x) + c)), 1500));
+      }
+  const FurtherComponents further[] = {{.source = parts[1].view()}};
+  NearestField field(parts[0].view(), 1000, {kTarget, kTarget},
+                     {.uniformity = 0, .similar = {}, .wraps = true}, {.further = further});
+  field.start(anywhere(7));
+  std::vector<std::int32_t> before = field.centres();
+  for (int pass = 0; pass < 2; ++pass) {
+    field.vote();
+    before = field.centres();
+    field.search(pass);
+  }
+  int changed = 0;
+  double gained = 0;
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x) {
+      const std::size_t at = indexOf(x, y, kTarget);
+      if (field.centres()[at] == before[at]) continue;
+      const double was = distanceOf(before, x, y, before[at], parts),
+                   is = distanceOf(before, x, y, field.centres()[at], parts);
+      ++changed;
+      gained += (was - is) / was;
+      ASSERT_LT(is, was * 1.001) << x << " " << y;  // but for rounded votes
+    }
+  EXPECT_GT(changed, 500);
+  EXPECT_GT(gained / changed, 0.1);
+}
+
 TEST(NearestField, UsesTheSourceMoreEvenlyTheMoreThatCounts) {
   const Outcome even = optimised({.uniformity = 5, .similar = {}}, 4),
                 free = optimised({.uniformity = 0, .similar = {}}, 4);

@@ -35,6 +35,34 @@ TEST(Optimize, ShowsPatchesOfTheSourceThatFitTogether) {
   EXPECT_LT(field.energy.occupancy, 1.6);
 }
 
+// Twenty channels that have nothing to do with one another: no few components tell them all.
+TEST(Optimize, CountsTheDistanceOfAllChannels) {
+  Progress progress;
+  Image<float> sample(40, 40, 20);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x)
+      for (int c = 0; c < 20; ++c)
+        sample.at(x, y, c) = static_cast<float>(std::sin(0.15 * (c + 3) * x + c) +
+                                                std::cos(0.1 * (c + 4) * y - 0.2 * x));
+  OptimizeOptions options = shortly({64, 56});
+  options.field.wraps = true;
+  OptimizedField field = optimize(sample.view(), options, {}, progress);
+  field.gain = {};
+  const Image<float> means = shown(sample.view(), field);
+  double sum = 0;
+  for (int y = 0; y < 56; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const std::int32_t centre = field.centres[static_cast<std::size_t>(y * 64 + x)];
+      for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx)
+          for (int c = 0; c < 20; ++c)
+            sum += std::pow(means.at((x + dx + 64) % 64, (y + dy + 56) % 56, c) -
+                                sample.at(centre % 40 + dx, centre / 40 + dy, c),
+                            2);
+    }
+  EXPECT_NEAR(field.energy.patch, sum / (64 * 56), 0.01 * field.energy.patch);
+}
+
 TEST(Optimize, IsAlmostAsGoodWhereQuick) {
   Progress progress;
   const Image<float> sample = features();
@@ -132,9 +160,9 @@ TEST(Optimize, RefusesWhatCannotBe) {
   };
   EXPECT_EQ(exitOf(Image<float>(4, 40, 1), shortly({50, 50})), Exit::kUsage);
   EXPECT_EQ(exitOf(features(), shortly({50, 3})), Exit::kUsage);
-  OptimizeOptions odd = shortly({50, 50});
-  odd.components = 9;
-  EXPECT_EQ(exitOf(features(), odd), Exit::kUsage);
+  OptimizeOptions none = shortly({50, 50});
+  none.rounds = 0;
+  EXPECT_EQ(exitOf(features(), none), Exit::kUsage);
   Image<float> broken = features();
   broken.at(3, 3) = NAN;
   EXPECT_EQ(exitOf(broken, shortly({50, 50})), Exit::kBadData);
