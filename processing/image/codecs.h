@@ -23,6 +23,7 @@ Samples decodeJpeg(std::span<const std::byte> file, const PictureHeader& header)
 
 PictureHeader readPngHeader(std::span<const std::byte> file, const PictureLimits& limits);
 Samples decodePng(std::span<const std::byte> file, const PictureHeader& header);
+Image<float> decodePngAlpha(std::span<const std::byte> file, const PictureLimits& limits);
 
 // For TIFF and what is built on it (DNG, most raw files): refuses a directory whose values lie
 // beyond the end of the file.
@@ -32,6 +33,7 @@ Samples decodeTiff(std::span<const std::byte> file, const PictureHeader& header)
 
 PictureHeader readExrHeader(std::span<const std::byte> file, const PictureLimits& limits);
 Samples decodeExr(std::span<const std::byte> file, const PictureHeader& header);
+Image<float> decodeExrAlpha(std::span<const std::byte> file, const PictureLimits& limits);
 Bytes encodeExr(ImageView<const float> linear);
 
 PictureHeader readRawHeader(std::span<const std::byte> file, const PictureLimits& limits);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OpenEXR in memory: flat pictures with R, G, B or one channel; half and float, read as float.
+// OpenEXR in memory: flat pictures with R, G, B or one channel, and A; half and float, read as
+// float.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -9,6 +10,7 @@
 
 #include <cstring>
 
+#include "processing/image/alpha.h"
 #include "processing/image/codecs.h"
 
 namespace patina::codecs {
@@ -123,46 +125,26 @@ auto guarded(const Body& body) {
   }
 }
 
-}  // namespace
-
-PictureHeader readExrHeader(std::span<const std::byte> file, const PictureLimits& limits) {
-  return guarded([&] {
-    refuseAttributesBeyond(file);
-    MemoryInput stream(file);
-    const Imf::InputFile in(stream);
-    const PictureHeader header = headerOf(in);
-    checkClaim(header, limits);
-    if (!in.isComplete()) refuse("the EXR is truncated: lines are missing; copy it again");
-    return header;
-  });
+Image<float> read(Imf::InputFile& in, const std::vector<std::string>& names, SizePx size) {
+  const Imath::Box2i window = in.header().dataWindow();
+  Image<float> out(size.width, size.height, static_cast<int>(names.size()));
+  const std::size_t step = sizeof(float) * names.size();
+  Imf::FrameBuffer buffer;
+  for (std::size_t c = 0; c < names.size(); ++c)
+    buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, out.texels().data() + c, window, step,
+                                             step * static_cast<std::size_t>(size.width)));
+  in.setFrameBuffer(buffer);
+  in.readPixels(window.min.y, window.max.y);
+  return out;
 }
 
-Samples decodeExr(std::span<const std::byte> file, const PictureHeader& header) {
-  return guarded([&]() -> Samples {
-    MemoryInput stream(file);
-    Imf::InputFile in(stream);
-    const Imath::Box2i window = in.header().dataWindow();
-    Image<float> out(header.size.width, header.size.height, header.channels);
-    const std::size_t step = sizeof(float) * header.channels;
-    Imf::FrameBuffer buffer;
-    const auto names = channelNames(in.header());
-    for (std::size_t c = 0; c < names.size(); ++c)
-      buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, out.texels().data() + c, window, step,
-                                               step * static_cast<std::size_t>(header.size.width)));
-    in.setFrameBuffer(buffer);
-    in.readPixels(window.min.y, window.max.y);
-    return out;
-  });
-}
-
-Bytes encodeExr(ImageView<const float> linear) {
-  if (linear.empty() || (linear.channels != 1 && linear.channels != 3))
-    throw ProcessingError(Exit::kUsage, "an EXR has 1 or 3 channels and at least one pixel");
+// Y, or R, G, B, or R, G, B, A.
+Bytes encode(ImageView<const float> linear) {
   try {
     Imf::Header header(linear.width, linear.height);
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::FrameBuffer buffer;
-    static constexpr const char* kNames[] = {"R", "G", "B"};
+    static constexpr const char* kNames[] = {"R", "G", "B", "A"};
     for (int c = 0; c < linear.channels; ++c) {
       const char* name = linear.channels == 1 ? "Y" : kNames[c];
       header.channels().insert(name, Imf::Channel(Imf::FLOAT));
@@ -183,4 +165,51 @@ Bytes encodeExr(ImageView<const float> linear) {
   }
 }
 
+}  // namespace
+
+PictureHeader readExrHeader(std::span<const std::byte> file, const PictureLimits& limits) {
+  return guarded([&] {
+    refuseAttributesBeyond(file);
+    MemoryInput stream(file);
+    const Imf::InputFile in(stream);
+    const PictureHeader header = headerOf(in);
+    checkClaim(header, limits);
+    if (!in.isComplete()) refuse("the EXR is truncated: lines are missing; copy it again");
+    return header;
+  });
+}
+
+Samples decodeExr(std::span<const std::byte> file, const PictureHeader& header) {
+  return guarded([&]() -> Samples {
+    MemoryInput stream(file);
+    Imf::InputFile in(stream);
+    return read(in, channelNames(in.header()), header.size);
+  });
+}
+
+Image<float> decodeExrAlpha(std::span<const std::byte> file, const PictureLimits& limits) {
+  const PictureHeader header = readExrHeader(file, limits);
+  return guarded([&]() -> Image<float> {
+    MemoryInput stream(file);
+    Imf::InputFile in(stream);
+    if (in.header().channels().findChannel("A") == nullptr) return {};
+    return read(in, {"A"}, header.size);
+  });
+}
+
+Bytes encodeExr(ImageView<const float> linear) {
+  if (linear.empty() || (linear.channels != 1 && linear.channels != 3))
+    throw ProcessingError(Exit::kUsage, "an EXR has 1 or 3 channels and at least one pixel");
+  return encode(linear);
+}
+
 }  // namespace patina::codecs
+
+namespace patina {
+
+Bytes encodeAlphaExr(ImageView<const float> linear_alpha) {
+  PATINA_CHECK(!linear_alpha.empty() && linear_alpha.channels == 4);
+  return codecs::encode(linear_alpha);
+}
+
+}  // namespace patina

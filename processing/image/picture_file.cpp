@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "processing/image/alpha.h"
 #include "processing/image/codecs.h"
 #include "processing/image/dng_file.h"
 #include "processing/image/encoding.h"
@@ -106,6 +107,13 @@ PictureHeader readPictureHeader(std::span<const std::byte> file, const PictureLi
   codecs::refuse(
       "not a picture: its first bytes are of no known format (JPEG, PNG, TIFF, EXR, DNG or a "
       "camera's raw), whatever its name says");
+}
+
+Image<float> decodeAlpha(std::span<const std::byte> file, const PictureLimits& limits) {
+  const PictureFormat format = sniffFormat(file);
+  if (format == PictureFormat::kPng) return codecs::decodePngAlpha(file, limits);
+  if (format == PictureFormat::kExr) return codecs::decodeExrAlpha(file, limits);
+  return {};
 }
 
 Picture decodePicture(std::span<const std::byte> file, const PictureLimits& limits) {

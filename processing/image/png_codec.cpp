@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "processing/image/alpha_png.h"
+#include "processing/image/alpha.h"
 #include "processing/image/codecs.h"
 #include "processing/image/linear_png.h"
 
@@ -182,6 +182,13 @@ Samples decodePng(std::span<const std::byte> file, const PictureHeader& header) 
   return decodeAs<std::uint8_t>(file, header);
 }
 
+Image<float> decodePngAlpha(std::span<const std::byte> file, const PictureLimits& limits) {
+  const PictureHeader header = readPngHeader(file, limits);
+  if (!hasAlpha(file)) return {};
+  return header.bits == 16 ? alphaOf<std::uint16_t>(file, header)
+                           : alphaOf<std::uint8_t>(file, header);
+}
+
 }  // namespace codecs
 
 Bytes encodePng(ImageView<const std::uint8_t> srgb) {
@@ -206,13 +213,4 @@ bool isLinearPng(std::span<const std::byte> file) {
   const std::size_t at = findChunk(file, kGama);
   return at != 0 && numberAt(file, at) == 4 && numberAt(file, at + 8) == kGammaOne;
 }
-
-Image<float> decodeAlpha(std::span<const std::byte> file, const PictureLimits& limits) {
-  if (sniffFormat(file) != PictureFormat::kPng) return {};
-  const PictureHeader header = codecs::readPngHeader(file, limits);
-  if (!hasAlpha(file)) return {};
-  return header.bits == 16 ? alphaOf<std::uint16_t>(file, header)
-                           : alphaOf<std::uint8_t>(file, header);
-}
-
 }  // namespace patina

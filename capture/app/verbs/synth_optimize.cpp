@@ -6,7 +6,7 @@
 #include "capture/app/verbs/optimize_options.h"
 #include "capture/app/verbs/synth_verbs.h"
 #include "capture/workflow/products.h"
-#include "processing/image/alpha_png.h"
+#include "processing/image/alpha.h"
 #include "processing/image/encoding.h"
 #include "processing/image/picture_file.h"
 #include "processing/synthesis/texture_optimization/nnf_file.h"
@@ -53,27 +53,29 @@ struct Sample {
 };
 
 // As the eye sees them: what lies between 0 and 1 in linear light is encoded as sRGB, unless the
-// result is `linear`. Alpha is straight.
+// result is `linear`. Where there is alpha, colours are straight or associated as the result's
+// format has them.
 Sample readSample(const std::string& file, bool linear) {
   const Bytes bytes = readFile(file);
-  Image<float> colours = decodePicture(bytes).linear;
-  if (!linear)
-    std::transform(colours.texels().begin(), colours.texels().end(), colours.texels().begin(),
-                   srgbFromLinear);
-  const Image<float> alpha = decodeAlpha(bytes);
-  if (alpha.empty()) return {std::move(colours), false};
-  if (linear)
-    throw AppError(Exit::kUsage, "'" + file +
-                                     "' has transparency, which a .exr does not hold here: "
-                                     "name --out .png");
-  Image<float> texels(colours.width(), colours.height(), 4);
-  for (int y = 0; y < texels.height(); ++y)
-    for (int x = 0; x < texels.width(); ++x) {
-      for (int c = 0; c < 3; ++c)
-        texels.at(x, y, c) = colours.at(x, y, std::min(c, colours.channels() - 1));
-      texels.at(x, y, 3) = alpha.at(x, y);
+  const Picture picture = decodePicture(bytes);
+  const Image<float>&colours = picture.linear, alpha = decodeAlpha(bytes);
+  const bool associated = picture.format == PictureFormat::kExr;
+  Sample sample{.texels = colours, .alpha = !alpha.empty()};
+  if (sample.alpha) sample.texels = Image<float>(colours.width(), colours.height(), 4);
+  for (int y = 0; y < colours.height(); ++y)
+    for (int x = 0; x < colours.width(); ++x) {
+      const float covers = sample.alpha ? alpha.at(x, y) : 1;
+      const float factor = !sample.alpha || associated == linear ? 1
+                           : linear                              ? covers
+                           : covers > 0                          ? 1 / covers
+                                                                 : 0;
+      for (int c = 0; c < sample.texels.channels(); ++c) {
+        const float colour = factor * colours.at(x, y, std::min(c, colours.channels() - 1));
+        sample.texels.at(x, y, c) = linear ? colour : srgbFromLinear(colour);
+      }
+      if (sample.alpha) sample.texels.at(x, y, 3) = covers;
     }
-  return {std::move(texels), true};
+  return sample;
 }
 
 void writeEncoded(const std::string& file, const Image<float>& picture, bool alpha) {
@@ -88,6 +90,14 @@ void writeEncoded(const std::string& file, const Image<float>& picture, bool alp
     writePng(file, encoded.view());
 }
 
+// What raises contrast goes beyond alpha's range.
+void writeAlphaExr(const std::string& file, Image<float>& picture) {
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x)
+      picture.at(x, y, 3) = std::clamp(picture.at(x, y, 3), 0.0f, 1.0f);
+  writeFileAtomically(file, encodeAlphaExr(std::as_const(picture).view()));
+}
+
 optimization::OptimizedField optimizePicture(const Options& options, Context& context) {
   const bool linear = fs::path(options.out).extension() == ".exr";
   const Sample sample = readSample(options.in, linear);
@@ -98,7 +108,9 @@ optimization::OptimizedField optimizePicture(const Options& options, Context& co
   optimization::LargerPicture larger = optimization::enlargePicture(
       compared.view(), options.arguments.optimize,
       constraintsOf(options.arguments, compared.size()), context.progress);
-  if (linear)
+  if (linear && sample.alpha)
+    writeAlphaExr(options.out, larger.picture);
+  else if (linear)
     writeExr(options.out, larger.picture.view());
   else
     writeEncoded(options.out, larger.picture, sample.alpha);

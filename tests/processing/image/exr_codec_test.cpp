@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "processing/image/alpha.h"
 #include "processing/image/codecs.h"
 #include "tests/processing/image/samples.h"
 #include "tests/support/places.h"
@@ -32,6 +33,26 @@ TEST(EncodeExr, KeepsFloatsOutsideZeroToOne) {
     EXPECT_EQ(out.linear.texels(), in.texels());
     EXPECT_EQ(out.bits, 32);
   }
+}
+
+TEST(AlphaExr, ComesBackBesideItsColours) {
+  const Image<float> in = wild(4);
+  const Bytes file = encodeAlphaExr(in.view());
+  const Image<float> colours = decodePicture(file).linear, alpha = decodeAlpha(file);
+  ASSERT_EQ(colours.channels(), 3);
+  ASSERT_EQ(alpha.channels(), 1);
+  for (int y = 0; y < in.height(); ++y)
+    for (int x = 0; x < in.width(); ++x) {
+      ASSERT_EQ(alpha.at(x, y), in.at(x, y, 3));
+      ASSERT_EQ(colours.at(x, y, 2), in.at(x, y, 2));
+    }
+}
+
+TEST(AlphaExr, IsNothingWhereThereIsNoneAndRefusedWhereDamaged) {
+  EXPECT_TRUE(decodeAlpha(codecs::encodeExr(wild(3).view())).empty());
+  EXPECT_TRUE(decodeAlpha(codecs::encodeExr(wild(1).view())).empty());
+  const Bytes file = encodeAlphaExr(wild(4).view());
+  EXPECT_THROW(decodeAlpha(std::span(file).first(file.size() / 2)), ProcessingError);
 }
 
 TEST(DecodeExr, RefusesEveryTruncationAndSurvivesDamage) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
-#include "processing/image/alpha_png.h"
+#include "processing/image/alpha.h"
 #include "processing/image/codecs.h"
 #include "processing/image/linear_png.h"
 #include "tests/processing/image/samples.h"
@@ -47,8 +47,10 @@ TEST(EncodeLinearPng, IsReadAsLinearLightAndAPlainOneAsSrgb) {
 }
 
 TEST(AlphaPng, ComesBackBesideItsColours) {
-  const auto colours = gradient(37, 11, 4);
-  const Bytes file = encodeAlphaPng(colours.view());
+  auto colours = gradient(37, 11, 4);
+  for (int y = 0; y < 11; ++y)
+    for (int x = 0; x < 37; ++x) colours.at(x, y, 3) = static_cast<std::uint8_t>(250 - 5 * x - y);
+  const Bytes file = encodeAlphaPng(std::as_const(colours).view());
   const Image<float> alpha = decodeAlpha(file);
   const Image<std::uint8_t> plain = decoded<std::uint8_t>(file);
   ASSERT_EQ(alpha.size(), colours.size());
