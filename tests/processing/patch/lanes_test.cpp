@@ -10,7 +10,9 @@
 namespace patina::patch {
 namespace {
 
-constexpr SizePx kSizes[] = {{512, 512}, {300, 700}, {90, 90}, {33, 5}, {5, 5}};
+// Among them: bands that would be one tile wide, and a last one that would be where it wraps.
+constexpr SizePx kSizes[] = {{512, 512}, {300, 700}, {90, 90}, {12, 2000},
+                             {208, 640}, {33, 5},    {5, 5}};
 
 TEST(Lanes, CoverEachTexelOnceAPass) {
   for (const SizePx size : kSizes)

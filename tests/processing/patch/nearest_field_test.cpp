@@ -149,6 +149,23 @@ TEST(NearestField, TakesWhatIsNearerOnAllComponents) {
   EXPECT_GT(gained / changed, 0.1);
 }
 
+// A gain that is next to nothing is not worth a change, which wakes eight neighbours: else a third
+// of all patches would change still.
+TEST(NearestField, ChangesNothingForNextToNoGain) {
+  const Image<std::int16_t> source = blobs();
+  NearestField field(source.view(), 1000, {kTarget, kTarget}, {.uniformity = 2, .similar = {}});
+  field.start(anywhere(7));
+  int changed = 0;
+  for (int pass = 0; pass < 24; ++pass) {
+    if (pass % 2 == 0) field.vote();
+    const std::vector<std::int32_t> before = field.centres();
+    field.search(pass);
+    changed = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) changed += field.centres()[i] != before[i];
+  }
+  EXPECT_LT(changed, 0.15 * kTarget * kTarget);
+}
+
 TEST(NearestField, UsesTheSourceMoreEvenlyTheMoreThatCounts) {
   const Outcome even = optimised({.uniformity = 5, .similar = {}}, 4),
                 free = optimised({.uniformity = 0, .similar = {}}, 4);

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <filesystem>
 
 #include "processing/stbrdf/stbrdf_file.h"
 #include "tests/processing/synthesis/texture_optimization/samples.h"
+#include "tests/processing/synthesis/texture_optimization/stops_at.h"
 #include "tests/support/temp_folder.h"
 
 namespace patina::texture_optimization {
@@ -69,35 +69,13 @@ TEST(Enlarge, RefusesWeightsThatLeaveNothing) {
   EXPECT_THROW(enlarge(blobs(40), options, {}, progress), ProcessingError);
 }
 
-// Asks to stop at the `last`-th step it is told of.
-class StopsAt final : public Progress {
- public:
-  explicit StopsAt(int last) : left_(last) {}
-
- protected:
-  void advance(std::int64_t) override {
-    if (--left_ <= 0) askToStop();
-  }
-
- private:
-  std::atomic<int> left_;
-};
-
 TEST(Enlarge, LeavesNothingWhereverItIsStopped) {
   const testing::TempFolder temp;
   const stbrdf::StbrdfSet set = blobs(40);
-  int stopped = 0;
-  for (int last = 1; last < 400; ++last) {
-    StopsAt progress(last);
-    try {
-      stbrdf::writeStbrdfSet(temp / "out", enlarge(set, shortly({60, 60}), {}, progress).set,
-                             progress);
-      break;
-    } catch (const Stopped&) {
-      ++stopped;
-      ASSERT_TRUE(std::filesystem::is_empty(temp.path())) << last;
-    }
-  }
+  const int stopped = stoppedEverywhere(temp.path(), [&](Progress& progress) {
+    stbrdf::writeStbrdfSet(temp / "out", enlarge(set, shortly({60, 60}), {}, progress).set,
+                           progress);
+  });
   EXPECT_GT(stopped, 8);
   EXPECT_TRUE(std::filesystem::exists(temp / "out" / "Diffuse-0.exr"));
 }

@@ -9,7 +9,9 @@
 #include "processing/image/random.h"
 #include "processing/stbrdf/stbrdf_file.h"
 #include "tests/processing/synthesis/texture_optimization/samples.h"
+#include "tests/processing/synthesis/texture_optimization/stops_at.h"
 #include "tests/support/places.h"
+#include "tests/support/temp_folder.h"
 
 namespace patina::texture_optimization {
 namespace {
@@ -148,6 +150,18 @@ TEST(Equalised, IsTheRankOfEachValue) {
   EXPECT_EQ(equalised(grey.view()).texels(), (std::vector<float>{0.5f, 0.125f, 0.5f, 0.875f}));
   grey.at(2, 0) = NAN;
   EXPECT_THROW(equalised(grey.view()), ProcessingError);
+}
+
+TEST(Transfer, LeavesNothingWhereverItIsStopped) {
+  const testing::TempFolder temp;
+  const stbrdf::StbrdfSet set = blobs(40);
+  const Image<float> wanted = picture(48);
+  const int stopped = stoppedEverywhere(temp.path(), [&](Progress& progress) {
+    stbrdf::writeStbrdfSet(
+        temp / "out", transfer(set, wanted.view(), shortly(0), {}, progress).larger.set, progress);
+  });
+  EXPECT_GT(stopped, 8);
+  EXPECT_TRUE(std::filesystem::exists(temp / "out" / "Diffuse-0.exr"));
 }
 
 TEST(Transfer, RefusesATimeOutsideTheSet) {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "processing/image/picture_file.h"
 #include "tests/processing/synthesis/texture_optimization/samples.h"
+#include "tests/processing/synthesis/texture_optimization/stops_at.h"
 #include "tests/support/temp_folder.h"
 
 namespace patina::texture_optimization {
@@ -48,15 +50,28 @@ TEST(OptimizeTtf, ShowsWholeHistories) {
     ASSERT_NEAR(third.texels()[i], 0.4f * first.texels()[i], 1e-4);
 }
 
-TEST(OptimizeTtf, LeavesNothingWhenItIsStopped) {
+TEST(OptimizeTtf, LeavesNothingWhereverItIsStopped) {
+  const testing::TempFolder in = testing::TempFolder::inMemory(),
+                            temp = testing::TempFolder::inMemory();
+  writeFading(in / "in.h5");
+  const int stopped = stoppedEverywhere(temp.path(), [&](Progress& progress) {
+    optimizeTtf(ttf::TtfReader(in / "in.h5"), shortly({70, 60}), {}, temp / "out.h5", "{}",
+                progress);
+  });
+  EXPECT_GT(stopped, 12);
+  EXPECT_TRUE(std::filesystem::exists(temp / "out.h5"));
+}
+
+// A picture is written at once, when all is done.
+TEST(EnlargePicture, EndsWhereverItIsStopped) {
   const testing::TempFolder temp = testing::TempFolder::inMemory();
-  writeFading(temp / "in.h5");
-  Progress progress;
-  progress.askToStop();
-  EXPECT_THROW(optimizeTtf(ttf::TtfReader(temp / "in.h5"), shortly({70, 60}), {}, temp / "out.h5",
-                           "{}", progress),
-               Stopped);
-  EXPECT_FALSE(std::filesystem::exists(temp / "out.h5"));
+  const Image<float> picture = blobs(kSide).maps[0].coefficients[0];
+  const int stopped = stoppedEverywhere(temp.path(), [&](Progress& progress) {
+    const LargerPicture larger = enlargePicture(picture.view(), shortly({60, 60}), {}, progress);
+    writeExr(temp / "out.exr", larger.picture.view());
+  });
+  EXPECT_GT(stopped, 3);
+  EXPECT_TRUE(std::filesystem::exists(temp / "out.exr"));
 }
 
 TEST(EnlargePicture, LooksLikeThePicture) {
