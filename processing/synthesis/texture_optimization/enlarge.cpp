@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "processing/synthesis/texture_optimization/enlarge.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "processing/image/parallel_rows.h"
@@ -105,11 +106,12 @@ std::int64_t enlargeBytes(const stbrdf::StbrdfSet& set, SizePx size) {
   const std::int64_t source = std::int64_t{set.size().width} * set.size().height,
                      result = std::int64_t{size.width} * size.height, terms = set.degree + 1;
   // Of a source texel: the set, three times beside it for features, components and votes, and the
-  // search's index and counts. Of a result texel: the set, its components as integers, and the
+  // search's index and counts. Of a result texel: the set, what is compared as integers, and the
   // field with what the search needs.
-  constexpr std::int64_t kFloat = 4, kInteger = 2, kSearch = 200, kField = 60;
+  constexpr std::int64_t kFloat = 4, kInteger = 2, kComparedMost = 7, kSearch = 200, kField = 60;
   return source * (4 * kFloat * channels * terms + kSearch) +
-         result * ((kFloat + kInteger) * channels * terms + kField);
+         result *
+             ((kFloat * channels + kInteger * std::min(channels, kComparedMost)) * terms + kField);
 }
 
 Enlarged enlarge(const stbrdf::StbrdfSet& set, const EnlargeOptions& options,
