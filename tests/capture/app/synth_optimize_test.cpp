@@ -98,13 +98,13 @@ TEST(SynthOptimize, CarriesTransparencyOfPngAndExrToEither) {
     }
   writeFileAtomically(temp / "leaves.png", encodeAlphaPng(sample.view()));
   writeFileAtomically(temp / "leaves.exr", encodeAlphaExr(associated.view()));
-  for (const std::string from : {".png", ".exr"})
-    for (const std::string to : {".png", ".exr"}) {
-      const Seen seen = optimised(temp / ("leaves" + from), temp / ("from" + from + to));
+  for (const std::string& from : {std::string("leaves.png"), std::string("leaves.exr")})
+    for (const std::string& to : {std::string("to.png"), std::string("to.exr")}) {
+      const Seen seen = optimised(temp / from, temp / (from + to));
       ASSERT_EQ(seen.alpha.size(), (SizePx{80, 80}));
       const Census census = censusOf(seen);
-      EXPECT_NEAR(census.clear / 6400.0, 0.5, 0.1) << from << to;
-      EXPECT_LT(census.apart, 100) << from << to;
+      EXPECT_NEAR(census.clear / 6400.0, 0.5, 0.1) << from << " " << to;
+      EXPECT_LT(census.apart, 100) << from << " " << to;
     }
 }
 

@@ -121,7 +121,7 @@ TEST(NearestField, TakesWhatIsNearerOnAllComponents) {
       for (int c = 0; c < 2; ++c) {
         parts[0].at(x, y, c) = blobs().at(x, y, c);
         parts[1].at(x, y, c) = static_cast<std::int16_t>(
-            uniformBelow(hashSeed(static_cast<std::uint64_t>(4 * (y * kSource + x) + c)), 1500));
+            uniformBelow(hashSeed(indexOf(x, y, kSource), static_cast<std::uint64_t>(c)), 1500));
       }
   const FurtherComponents further[] = {{.source = parts[1].view()}};
   NearestField field(parts[0].view(), 1000, {kTarget, kTarget},

@@ -52,7 +52,7 @@ TEST(Optimize, CountsTheDistanceOfAllChannels) {
   double sum = 0;
   for (int y = 0; y < 56; ++y)
     for (int x = 0; x < 64; ++x) {
-      const std::int32_t centre = field.centres[static_cast<std::size_t>(y * 64 + x)];
+      const std::int32_t centre = field.votes().centres[field.votes().indexOf(x, y)];
       for (int dy = -2; dy <= 2; ++dy)
         for (int dx = -2; dx <= 2; ++dx)
           for (int c = 0; c < 20; ++c)
