@@ -199,7 +199,7 @@ TEST(Registration, IsNotPulledByDetailFinerThanAPixel) {
   for (const auto& [specimen, most_px] :
        {std::pair("paint_cracking", 0.02), {"steel_rusting", 0.02}}) {
     const ShiftErrors found =
-        shiftErrorsOf(ShiftedSpecimen(specimen, {256, 256}), 0.5, {.shifts = 8});
+        shiftErrorsOf(ShiftedSpecimen(specimen, {256, 256}), 0.5, {.shifts = 4});
     std::printf("%s half way: found %.3f px RMS, without noise %.3f px\n", specimen, found.own_px,
                 found.noiseless_px);
     EXPECT_LE(found.own_px, most_px) << specimen;
@@ -220,7 +220,7 @@ TEST(Registration, ComesNearWhatNoiseAllowsOnFreshCopper) {
 
 TEST(Registration, FindsFreshCopperToATwentiethOfAPixelInTheMeanOfFourFrames) {
   const ShiftErrors found = shiftErrorsOf(ShiftedSpecimen("copper_patination", {256, 256}), 0.1,
-                                          {.shifts = 6, .noises = 4, .frames = 4});
+                                          {.shifts = 3, .noises = 4, .frames = 4});
   std::printf(
       "fresh copper, means of 4 frames: bound %.4f px, expected %.3f px, found %.3f px RMS\n",
       found.bound_px, found.expected_px, found.own_px);
