@@ -54,7 +54,7 @@ double reconstructionError(const Matrix& a, const TemporalSvd& svd) {
   return std::sqrt(error / energy);
 }
 
-TemporalSvd run(const Matrix& a, SvdOptions options) {
+TemporalSvd run(const Matrix& a, const SvdOptions& options) {
   Progress progress;
   return temporalSvd(a.m, a.n, a.source(), options, progress);
 }
@@ -71,7 +71,9 @@ TEST(TemporalSvd, RecoversAPlantedLowRankExactly) {
 // Short (by the Gram matrix), and long (by a sketch; a ragged end, some texels teach).
 TEST(TemporalSvd, OfCodesIsThatOfTheValuesTheyStandFor) {
   constexpr float kStep = 1 / 255.0f;
-  for (const auto& [m, n] : {std::pair<std::int64_t, std::int64_t>{3000, 60}, {66'001, 100}}) {
+  const std::pair<std::int64_t, std::int64_t> sizes[] = {{3000, 60}, {66'001, 100}};
+  for (const auto& size : sizes) {
+    const std::int64_t m = size.first, n = size.second;
     Matrix a = planted(m, n, 4, 0.1);
     std::vector<std::uint8_t> codes(a.values.size());
     for (std::size_t i = 0; i < codes.size(); ++i) {
