@@ -13,9 +13,9 @@
 
 namespace patina::quilting {
 
-// Writes `out` whole or not at all: same frames, times, scale and type; hashes of zero. Asked for
-// late, while frames are written and on another thread: `provenance_json`, since hashing a large
-// input takes its time.
+// Writes `out` whole or not at all: same frames, times, scale and type; hashes of zero.
+// `provenance_json` is called when all blocks lie: of mere copies while they are written, on
+// another thread, since hashing a large input takes its time.
 QuiltingReport quiltTtf(const ttf::TtfReader& input, const QuiltingOptions& options,
                         const std::filesystem::path& out,
                         const std::function<std::string()>& provenance_json, Progress& progress);
