@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every lobe is held to: derivatives by finite differences, energy by quadrature.
+// What every lobe is held to: derivatives by finite differences, reciprocity, energy by quadrature.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,6 +34,21 @@ void expectDerivativesOf(const LobeOf& lobe_of) {
     close(lobe.by_n_v, [](LobeCosines& c, float&, float h) { c.n_v += h; });
     close(lobe.by_n_h, [](LobeCosines& c, float&, float h) { c.n_h += h; });
     close(lobe.by_r, [](LobeCosines&, float& rough, float h) { rough += h; });
+  }
+}
+
+// Helmholtz: light and view may change places.
+template <class LobeOf>
+void expectReciprocal(const LobeOf& lobe_of) {
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const auto draw = [&](int k) {
+      return static_cast<float>(0.02 + 0.98 * uniform(hashSeed(4, i, k)));
+    };
+    const LobeCosines there{draw(0), draw(1), draw(2), draw(3)};
+    LobeCosines back = there;
+    std::swap(back.n_l, back.n_v);
+    const float one_way = lobe_of(there, draw(4)).value, other = lobe_of(back, draw(4)).value;
+    ASSERT_NEAR(one_way, other, 1e-5f * std::max(1.0f, one_way)) << i;
   }
 }
 

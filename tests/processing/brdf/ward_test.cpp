@@ -10,6 +10,10 @@ TEST(Ward, DerivativesAreThoseOfItsValue) {
   expectDerivativesOf([](const LobeCosines& c, float r) { return wardLobe(c, r); });
 }
 
+TEST(Ward, IsReciprocal) {
+  expectReciprocal([](const LobeCosines& c, float r) { return wardLobe(c, r); });
+}
+
 TEST(Ward, AtNormalIncidenceIsOneOverFourPiAlphaSquared) {
   EXPECT_NEAR(wardLobe({1, 1, 1, 1}, 0.2f).value, 1 / (4 * M_PI * 0.04), 1e-4);
 }
