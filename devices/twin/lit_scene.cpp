@@ -50,13 +50,17 @@ std::vector<float> patchCard(const PictureLayout& layout, const PatchProfile& pr
   return card;
 }
 
+double viewWidthMm(const World& world, const PictureLayout& layout) {
+  return layout.view_mm > 0 ? layout.view_mm : world.specimen().info().width_mm;
+}
+
 LitScene::LitScene(const World& world, const PictureLayout& layout, const CameraPose& camera,
                    const SpecimenPose& specimen)
     : world_(world),
       layout_(layout),
       camera_(camera),
       specimen_(specimen),
-      view_(layout.size, world.profile().lens, camera, world.specimen().info().width_mm),
+      view_(layout.size, world.profile().lens, camera, viewWidthMm(world, layout)),
       targets_(targetsOf(world), view_),
       card_(patchCard(layout, world.profile().patch, camera, view_.ground().texel_mm)),
       lamps_(world.lampCount()) {

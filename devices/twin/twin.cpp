@@ -60,6 +60,9 @@ PictureLayout pictureLayout(const RigSpec& spec, const CameraSpec& camera) {
   PictureLayout layout;
   layout.size = {settings.takeInteger("width", 16, 16'384, usual.width),
                  settings.takeInteger("height", 16, 16'384, usual.height)};
+  layout.view_mm = settings.takeNumber("view_mm", 0.1, 1e4, 0);
+  if (layout.view_mm > 0 && camera.settings.contains("position_mm"))
+    settings.reject("view_mm", "a pinhole sees what its position and focal length say");
   if (layout.size.width % 2 != 0 || layout.size.height % 2 != 0)
     throw ConfigError(spec.source, 0, "camera '" + camera.id + "': size",
                       "width and height must be even: the mosaic has cells of 2x2");

@@ -5,7 +5,8 @@
 // Frame of the rig: origin in the middle of the specimen, x right, y up, z to the camera, mm.
 // Settings of the devices in the rig file (`settings = { ... }`):
 //   camera  format = "dng" | "jpeg" | "raw+jpeg"; width, height (even; default: the twin's size);
-//           exposure_min, exposure_max ("1/10000", "30s"); position_mm = "x,y,z" makes it a pinhole
+//           exposure_min, exposure_max ("1/10000", "30s"); view_mm: the width it sees from afar
+//           (all of the specimen), as through a macro lens; or position_mm = "x,y,z": a pinhole
 //           there, with look_at_mm (the middle), roll_deg and focal_widths (1.2) (camera_view.h)
 //   light   kind = "incandescent" | "led" (no ripple); beam_deg, the full angle at half of its
 //           light, with aim_mm = "x,y,z" (the middle); radius_mm of what shines (10)
@@ -42,6 +43,7 @@ struct PictureLayout {
   SizePx size;
   RectPx patch_px;
   RectPx specimen_px;
+  double view_mm = 0;  // the width a distant camera sees; 0: all of the specimen
 };
 PictureLayout pictureLayout(const RigSpec& spec, const CameraSpec& camera);
 

@@ -42,6 +42,7 @@ CameraSettings readSettings(const World& world, const CameraSpec& spec) {
   s.exposure_min = settings.takeExposure("exposure_min", world.profile().exposure.min);
   s.exposure_max = settings.takeExposure("exposure_max", world.profile().exposure.max);
   for (const char* key : {"width", "height"}) settings.takeInteger(key, 16, 16'384, 0);
+  settings.takeNumber("view_mm", 0.1, 1e4, 0);  // the layout's
   s.pose = readPose(world, spec, settings);
   settings.finish();
   if (s.exposure_min > s.exposure_max)

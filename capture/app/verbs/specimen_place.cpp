@@ -14,7 +14,9 @@ workflow::SpecimenPlace placeOfSpecimen(const devices::RigSpec& rig, const std::
     const devices::twin::PictureLayout layout = devices::twin::pictureLayout(rig, spec);
     place.region = layout.specimen_px;
     for (const devices::twin::SpecimenInfo& info : devices::twin::listSpecimens())
-      if (info.name == rig.twin->specimen) place.mm_per_texel = info.width_mm / layout.size.width;
+      if (info.name == rig.twin->specimen)
+        place.mm_per_texel =
+            (layout.view_mm > 0 ? layout.view_mm : info.width_mm) / layout.size.width;
   }
   return place;
 }

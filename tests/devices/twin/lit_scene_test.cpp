@@ -65,6 +65,17 @@ TEST(LitScene, ABumpedCameraSeesThePatchAside) {
   EXPECT_EQ(at(bumped, p.x + 3, p.y + 2), 0.03f) << "its border";
 }
 
+TEST(LitScene, ACloserCameraSeesTheMiddleOfTheSpecimenMagnified) {
+  RigSpec near = benchRig("banana_ripening", "96x96");
+  near.cameras[0].settings["view_mm"] = "15";
+  Room far(benchRig("banana_ripening", "96x96")), close(near);
+  const SampleGrid &all = far.scene.grid(), &part = close.scene.grid();
+  const double width = far.world.specimen().info().width_mm;
+  EXPECT_NEAR(part.texel_mm * width, all.texel_mm * 15, 1e-5 * width);
+  for (const std::size_t k : {all.index(0, 0), all.index(95, 40)})
+    EXPECT_NEAR(part.x_mm[k] * width, all.x_mm[k] * 15, 1e-3 * width);
+}
+
 TEST(LitScene, AMovedSpecimenIsTheSameOneAside) {
   const RigSpec spec = benchRig("banana_ripening", "128x128");
   Room home(spec), moved(spec, {}, {2.0, 0, 0, 0});

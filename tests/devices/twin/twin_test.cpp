@@ -54,6 +54,15 @@ TEST(PictureLayout, FollowsTheRigsPatch) {
   EXPECT_THROW(pictureLayout(spec, spec.cameras[0]), ConfigError) << "outside the picture";
 }
 
+TEST(PictureLayout, AWidthIsOfADistantCameraOnly) {
+  RigSpec spec = benchRig("grey_card", "64x48");
+  EXPECT_EQ(pictureLayout(spec, spec.cameras[0]).view_mm, 0);
+  spec.cameras[0].settings["view_mm"] = "7.5";
+  EXPECT_EQ(pictureLayout(spec, spec.cameras[0]).view_mm, 7.5);
+  spec.cameras[0].settings["position_mm"] = "0,0,400";
+  EXPECT_THROW(pictureLayout(spec, spec.cameras[0]), ConfigError);
+}
+
 TEST(PictureLayout, RefusesOddSizes) {
   RigSpec spec = benchRig("grey_card", "64x48");
   spec.cameras[0].settings["width"] = "63";
