@@ -19,7 +19,9 @@ constexpr float kDielectricWeight = 1 / (0.02f * 0.02f);
 constexpr float kMattGloss = 0.01f;  // of its level, that a matt surface may have all the same
 constexpr int kBrightest = 12;       // levels of which three are lit whole
 constexpr float kLeastUp = 0.15f;    // n.z
-constexpr float kLitShare = 0.9f;    // of what a matt surface predicts
+// Of its levels. Well above a half: the spread is a median, which shadows must not decide.
+constexpr float kShadowedBelow = 0.75f;
+constexpr float kLitShare = 0.9f;  // of what a matt surface predicts
 
 float price(float level, float predicted, float information) {
   const float off = level - predicted;
@@ -151,8 +153,10 @@ void tryRivals(const MultiLightOptions& options, Samples& s, Estimate& at, const
   if (!any) return;
   Prior dielectric = prior;
   for (int k = 0; k < kLanes; ++k) dielectric.ks_weight[k] = kDielectricWeight;
-  // What began as one that most lamps do not reach stays one.
-  for (int k = 0; k < kLanes; ++k) shadowed[k] = unmet[k] > 0 && 2 * litOf(s, k) < usableOf(s, k);
+  // What began as one that many lamps do not reach stays one.
+  for (int k = 0; k < kLanes; ++k)
+    shadowed[k] = unmet[k] > 0 && static_cast<float>(litOf(s, k)) <
+                                      kShadowedBelow * static_cast<float>(usableOf(s, k));
   const Estimate found = at;
   std::vector<Lane> best = s.weight;
   enum { kMirror, kShaded, kLit };

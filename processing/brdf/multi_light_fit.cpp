@@ -25,6 +25,7 @@ using lanes::Samples;
 constexpr float kWideLogR = -1.2f, kWideLogRWeight = 0.4f;  // of a texel nobody knows: e^-1.2
 constexpr float kWideSpecularWeight = 4;
 constexpr float kChromaWeight = 100;  // holds specular channels to their mean
+constexpr float kShadowedChromaWeight = 1 / (0.02f * 0.02f);  // of what many lamps do not reach
 constexpr float kBlack = 1e-4f;
 constexpr int kFewest = 4;
 
@@ -297,6 +298,8 @@ class Fitter {
     const Samples& s = tile.lanes();
     const float known = maps ? maps->specular_weight.at(x, y) : 0;
     const float grey = known > 0 ? meanOf(maps->specular.view().texel(x, y)) : 0;
+    const float chroma =
+        s.shadowed[k] > 0 ? state_.spread2.at(x, y) * kShadowedChromaWeight : kChromaWeight;
     for (int c = 0; c < tile.channels(); ++c) {
       const float tint = known > 0 ? maps->specular.at(x, y, c) - grey : 0;
       float ay = 0, by = 0;
@@ -308,10 +311,9 @@ class Fitter {
       }
       float kd = 0, ks = 0;
       if (glossy())
-        lanes::solveLinear(
-            q.aa[k], q.ab[k], q.bb[k] + kChromaWeight, ay,
-            by + prior.ks_weight[k] * prior.ks[k] + known * tint + kChromaWeight * at.ks[k], kd,
-            ks);
+        lanes::solveLinear(q.aa[k], q.ab[k], q.bb[k] + chroma, ay,
+                           by + prior.ks_weight[k] * prior.ks[k] + known * tint + chroma * at.ks[k],
+                           kd, ks);
       else
         kd = q.aa[k] > 0 ? std::max(ay / q.aa[k], 0.0f) : 0;
       // Of few levels almost anything comes out; strengths of Torrance and Sparrow's lobe may be

@@ -36,6 +36,19 @@ TEST(LaneRivals, FindWhatMostLampsDoNotReach) {
   }
 }
 
+// What later passes go by: where half of the levels are dark, their median says nothing.
+TEST(LaneRivals, SayThatHalfOfTheLampsDoNotReach) {
+  Samples s = plant({0.5f, 0.04f, 0.8f}, 32);
+  for (std::size_t i = 0; i < s.count; i += 2) s.y[i] = Lane{};
+  Equations q;
+  Estimate at = started(s, q);
+  tryRivals({}, s, at, noPrior(), q);
+  for (int k = 0; k < kLanes; ++k) {
+    EXPECT_NEAR(at.kd[k], 0.5f, 0.02f) << k;
+    EXPECT_EQ(s.shadowed[k], 1) << k;
+  }
+}
+
 TEST(LaneRivals, LeaveWhatIsMetAsItIs) {
   Samples s = plant({0.4f, 0.1f, 0.25f});
   Equations q;

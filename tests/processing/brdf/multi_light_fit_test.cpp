@@ -69,6 +69,21 @@ TEST(MultiLightFit, LeavesShadowsAndClippedLevelsOut) {
   EXPECT_GT(fit.report.left_out, 4.0 / 24 * 7 / 20);
 }
 
+// The floor of a crack: it is matt, not a mirror that the lamps which reach it happen to meet.
+TEST(MultiLightFit, ACrackThatHalfOfTheLampsReachKeepsItsColour) {
+  const BrdfMaps truth = rollingMaps(32, 20, {0.03f, 0.6f});
+  LitSurface surface = lit(truth, Model::kGgx, dome(24), 0.001);
+  for (std::size_t i = 12; i < 24; ++i)  // the low ones
+    for (int y = 8; y < 11; ++y)
+      for (int x = 0; x < 32; ++x)
+        for (int c = 0; c < 3; ++c) surface.pictures[i].at(x, y, c) = 0;
+  MultiLightOptions options = calmOptions();
+  options.deep_shadows = true;
+  const MultiLightFit fit = fitOf(surface.samples, options);
+  EXPECT_LT(rms(fit.maps.diffuse, truth.diffuse), 0.01);
+  EXPECT_LT(rms(fit.maps.specular, truth.specular), 0.02);
+}
+
 TEST(MultiLightFit, KnowsNearLampsByTheirPlaceAndFallOff) {
   const BrdfMaps truth = rollingMaps(32, 20, {0.15f, 0.3f});
   std::vector<SurfaceLight> lamps = dome(24);
