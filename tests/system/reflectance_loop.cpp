@@ -14,6 +14,7 @@
 #include "processing/brdf/picture_score.h"
 #include "processing/brdf/relight.h"
 #include "tests/support/child.h"
+#include "tests/system/reflectance_bound.h"
 
 namespace patina::testing {
 namespace {
@@ -38,12 +39,17 @@ bool isLeftOut(const Loop& loop, int lamp) {
   return lamp % period == period / 2 && lamp / period < loop.left_out;
 }
 
+double viewMm(const Loop& loop) {
+  return twin::makeSpecimen(loop.specimen, 1)->info().width_mm / loop.closer;
+}
+
 // `card`: a grey card over all of the specimen. `all`: the lamps that are left out too.
 std::string rigText(const Loop& loop, bool card, bool all) {
   const std::string side = std::to_string(loop.side_px);
   std::string text =
       "name = \"dome\"\n[[camera]]\nid = \"cam0\"\nbackend = \"twin\"\n"
-      "settings = { format = \"dng\" }\n";
+      "settings = { format = \"dng\", view_mm = " +
+      std::to_string(viewMm(loop)) + " }\n";
   for (int i = 0; i < lampsOf(loop); ++i) {
     if (!all && isLeftOut(loop, i)) continue;
     const double z = 1 - (1 - std::cos(kReachDeg * M_PI / 180)) * (i + 0.5) / lampsOf(loop);
@@ -58,9 +64,7 @@ std::string rigText(const Loop& loop, bool card, bool all) {
   if (card)
     text +=
         "[[twin.target]]\nkind = \"grey_card\"\nreflectance = " + std::to_string(kCardReflectance) +
-        "\nwidth_mm = " +
-        std::to_string(1.5 * twin::makeSpecimen(loop.specimen, 1)->info().width_mm) +
-        "\nposition_mm = [0.0, 0.0, 0.0]\n";
+        "\nwidth_mm = " + std::to_string(1.5 * viewMm(loop)) + "\nposition_mm = [0.0, 0.0, 0.0]\n";
   return text;
 }
 
@@ -81,8 +85,10 @@ std::string plainName(std::string name) {
   return name;
 }
 
-devices::RigSpec wholeRig(const Loop& loop) {
-  return devices::parseRig(rigText(loop, false, true), "rig.toml");
+devices::RigSpec wholeRig(const Loop& loop, bool shadows) {
+  devices::RigSpec rig = devices::parseRig(rigText(loop, false, true), "rig.toml");
+  rig.twin->shadows = shadows;
+  return rig;
 }
 
 struct RmsOf {
@@ -97,10 +103,12 @@ class Truth {
  public:
   explicit Truth(const Loop& loop)
       : loop_(loop),
-        rig_(wholeRig(loop)),
+        rig_(wholeRig(loop, false)),
         layout_(twin::pictureLayout(rig_, rig_.cameras.front())),
         world_(rig_, options(loop), clock_),
-        scene_(world_, layout_, {}, {}) {
+        scene_(world_, layout_, {}, {}),
+        shadowed_world_(wholeRig(loop, loop.shadows), options(loop), clock_),
+        shadowed_(shadowed_world_, layout_, {}, {}) {
     rect_ = layout_.specimen_px;
     rect_.width -= rect_.width % loop.bin;
     rect_.height -= rect_.height % loop.bin;
@@ -135,7 +143,7 @@ class Truth {
     return maps;
   }
   float mmPerTexel() const {
-    return static_cast<float>(world_.specimen().info().width_mm / layout_.size.width * loop_.bin);
+    return static_cast<float>(viewMm(loop_) / layout_.size.width * loop_.bin);
   }
 
   // Over the region's own middle, as the fit has it.
@@ -152,8 +160,32 @@ class Truth {
     return light;
   }
 
-  // Noiseless, without mosaic and cast shadows.
-  Image<float> picture(double time, int lamp) const {
+  TexelExposure exposure() const {
+    const twin::SensorProfile& sensor = world_.profile().sensor;
+    return {sensor.full_well * sensor.grey_fill / sensor.grey_reflectance, sensor.full_well,
+            sensor.read_noise, loop_.bin * loop_.bin};
+  }
+
+  // The share of every lamp's light that no cast shadow takes from a pixel.
+  std::vector<Image<float>> lit(double time) {
+    const std::vector<bool> all(static_cast<std::size_t>(lampsOf(loop_)), true);
+    scene_.render(time, all);
+    shadowed_.render(time, all);
+    std::vector<Image<float>> out;
+    for (std::size_t lamp = 0; lamp < all.size(); ++lamp) {
+      Image<float>& share = out.emplace_back(grid_.size.width, grid_.size.height, 1, 1.0f);
+      for (int y = 0; y < grid_.size.height; ++y)
+        for (int x = 0; x < grid_.size.width; ++x) {
+          const std::size_t k = scene_.grid().index(rect_.x + x, rect_.y + y);
+          const float whole = scene_.lamp(lamp)[k];
+          if (whole > 0) share.at(x, y) = shadowed_.lamp(lamp)[k] / whole;
+        }
+    }
+    return out;
+  }
+
+  // Noiseless, without mosaic; of every pixel the share `lit`.
+  Image<float> picture(double time, int lamp, const Image<float>& lit) const {
     const twin::LampField field(*view_, world_.lampPlace(static_cast<std::size_t>(lamp)), true);
     Image<float> pixels(grid_.size.width, grid_.size.height, 3);
     std::vector<float> scratch, channel(static_cast<std::size_t>(grid_.size.width));
@@ -165,13 +197,13 @@ class Truth {
       for (int c = 0; c < 3; ++c) {
         twin::shadeChannelRow(shaded, c, channel.data());
         for (int x = 0; x < grid_.size.width; ++x)
-          pixels.at(x, y, c) = channel[static_cast<std::size_t>(x)];
+          pixels.at(x, y, c) = lit.at(x, y) * channel[static_cast<std::size_t>(x)];
       }
     }
     return meansOf(pixels);
   }
 
- private:
+  // Of texels.
   Image<float> meansOf(const Image<float>& pixels) const {
     const int n = loop_.bin;
     Image<float> out(pixels.width() / n, pixels.height() / n, pixels.channels());
@@ -181,6 +213,8 @@ class Truth {
           out.at(x / n, y / n, c) += pixels.at(x, y, c) / static_cast<float>(n * n);
     return out;
   }
+
+ private:
   static twin::TwinOptions options(const Loop& loop) {
     twin::TwinOptions options;
     options.seed = 1;
@@ -194,21 +228,19 @@ class Truth {
   RectPx rect_;
   devices::VirtualClock clock_{UtcTime{}};
   twin::World world_;
-  twin::LitScene scene_;
+  twin::LitScene scene_;  // without cast shadows
+  twin::World shadowed_world_;
+  twin::LitScene shadowed_;
   twin::SampleGrid grid_;  // of pixels
   std::optional<twin::CameraView> view_;
   std::shared_ptr<const twin::PreparedSurface> surface_;
 };
 
-int lightsWithinLobe(const std::vector<brdf::SurfaceLight>& lights, const brdf::PlaceMm& at,
-                     std::span<const float> n, float alpha) {
-  int count = 0;
-  for (const brdf::SurfaceLight& light : lights) {
-    const brdf::LightRay ray = brdf::rayAt(light, {0, 0, 1}, at.x, at.y);
-    const float n_h = brdf::dot(ray.h, {n[0], n[1], n[2]});
-    count += n_h > 0 && std::sqrt(1 - std::min(1.0f, n_h * n_h)) <= alpha * n_h;
-  }
-  return count;
+bool isWithinLobe(const brdf::SurfaceLight& light, const brdf::PlaceMm& at,
+                  std::span<const float> n, float alpha) {
+  const brdf::LightRay ray = brdf::rayAt(light, {0, 0, 1}, at.x, at.y);
+  const float n_h = brdf::dot(ray.h, {n[0], n[1], n[2]});
+  return n_h > 0 && std::sqrt(1 - std::min(1.0f, n_h * n_h)) <= alpha * n_h;
 }
 
 class Judge {
@@ -221,10 +253,16 @@ class Judge {
   void judge(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info) {
     const brdf::BrdfMaps want = truth_.maps(time);
     ASSERT_EQ(seen.diffuse.size(), want.diffuse.size());
+    lit_ = truth_.lit(time);
+    reach_.clear();
+    for (const Image<float>& lit : lit_) reach_.push_back(truth_.meansOf(lit));
     for (int y = 0; y < want.diffuse.height(); ++y)
       for (int x = 0; x < want.diffuse.width(); ++x) judgeTexel(want, seen, x, y);
     judgePictures(time, seen, info, pictures_, &psnr_worst_);
     judgePictures(time, want, {}, of_truth_, nullptr);
+    for (Image<float>& lit : lit_) lit = Image<float>(lit.width(), lit.height(), 1, 1.0f);
+    for (Image<float>& share : reach_) share = Image<float>(share.width(), share.height(), 1, 1.0f);
+    judgePictures(time, seen, info, unshadowed_, nullptr);
   }
 
   LoopScore score() {
@@ -236,7 +274,10 @@ class Judge {
     out.psnr_db = -20 * std::log10(pictures_.rms());
     out.psnr_worst_db = psnr_worst_;
     out.psnr_truth_db = -20 * std::log10(of_truth_.rms());
+    out.psnr_unshadowed_db = -20 * std::log10(unshadowed_.rms());
     out.told_share = static_cast<double>(told_s_.count) / static_cast<double>(angles_.size());
+    out.bound_diffuse_rms = bound_d_.rms(), out.bound_specular_rms = bound_s_.rms();
+    out.bound_alpha_rms = bound_a_.rms();
     out.told_specular_rms = told_s_.rms(), out.told_alpha_rms = told_a_.rms();
     out.sure_share =
         static_cast<double>(sure_s_.count) / static_cast<double>(std::max(1L, told_s_.count));
@@ -261,7 +302,22 @@ class Judge {
     const double a = double{seen.roughness.at(x, y)} - alpha;
     const bool sure = seen.extra.at("Confidence").at(x, y) >= 0.5f;
     const brdf::PlaceMm at = brdf::placeOf(x, y, want.diffuse.size(), truth_.mmPerTexel());
-    if (lightsWithinLobe(lights_, at, q, alpha) < 3) return;
+    int tell = 0;
+    std::vector<brdf::LightRay> rays;
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      if (reach_[static_cast<std::size_t>(used_[i])].at(x, y) < 0.5f) continue;
+      tell += isWithinLobe(lights_[i], at, q, alpha);
+      rays.push_back(brdf::rayAt(lights_[i], {0, 0, 1}, at.x, at.y));
+    }
+    const auto grey = [&](const Image<float>& map) {
+      return (double{map.at(x, y, 0)} + map.at(x, y, 1) + map.at(x, y, 2)) / 3;
+    };
+    const ReflectanceBound bound =
+        boundOf({grey(want.diffuse), grey(want.specular), alpha, {q[0], q[1], q[2]}}, rays,
+                truth_.exposure());
+    bound_d_.add(bound.diffuse * bound.diffuse);
+    if (tell < 3) return;
+    bound_s_.add(bound.specular * bound.specular), bound_a_.add(bound.alpha * bound.alpha);
     told_s_.add(specular2), told_a_.add(a * a);
     (sure ? sure_s_ : unsure_s_).add(specular2);
     (sure ? sure_a_ : unsure_a_).add(a * a);
@@ -270,13 +326,15 @@ class Judge {
   void judgePictures(double time, const brdf::BrdfMaps& seen, const brdf::BrdfSetInfo& info,
                      RmsOf& all, double* worst_db) const {
     for (const int lamp : left_out_) {
-      const Image<float> want = truth_.picture(time, lamp);
+      const auto l = static_cast<std::size_t>(lamp);
+      const Image<float> want = truth_.picture(time, lamp, lit_[l]);
       const Image<float> picture =
           brdf::relight(seen, info, truth_.light(lamp), {0, 0, 1}, truth_.mmPerTexel());
       RmsOf own;
       for (std::size_t k = 0; k < want.texels().size(); ++k) {
+        const float shaded = picture.texels()[k] * reach_[l].texels()[k / 3];
         const double off =
-            std::clamp(picture.texels()[k], 0.0f, 1.0f) - std::clamp(want.texels()[k], 0.0f, 1.0f);
+            std::clamp(shaded, 0.0f, 1.0f) - std::clamp(want.texels()[k], 0.0f, 1.0f);
         own.add(off * off), all.add(off * off);
       }
       if (worst_db) *worst_db = std::min(*worst_db, -20 * std::log10(own.rms()));
@@ -286,7 +344,10 @@ class Judge {
   Truth truth_;
   std::vector<int> used_, left_out_;
   std::vector<brdf::SurfaceLight> lights_;
-  RmsOf diffuse_, pictures_, of_truth_, told_s_, told_a_, sure_s_, sure_a_, unsure_s_, unsure_a_;
+  std::vector<Image<float>> lit_, reach_;  // by pixel, and its mean by texel, of every lamp
+  RmsOf bound_d_, bound_s_, bound_a_;
+  RmsOf diffuse_, pictures_, of_truth_, unshadowed_, told_s_, told_a_, sure_s_, sure_a_, unsure_s_,
+      unsure_a_;
   std::vector<double> angles_;
   double psnr_worst_ = HUGE_VAL;
 };

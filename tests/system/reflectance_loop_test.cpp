@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One plan, rehearsed: reflectance and its ageing through archive and calibration, by itself, held
 // against the twin's truth. It prints a row of the table in docs/reflectance.md;
-// with PATINA_REFLECTANCE_STEPS, of all seven specimens (_SIDE, _BIN: pixels of frame and texel).
+// with PATINA_REFLECTANCE_STEPS, of all seven specimens (_SIDE, _BIN: pixels of frame and texel;
+// _CLOSER: times).
 #include "tests/system/reflectance_loop.h"
 
 #include <gtest/gtest.h>
@@ -28,6 +29,7 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   loop.specimen = GetParam();
   loop.side_px = setting("PATINA_REFLECTANCE_SIDE", 192);
   loop.bin = setting("PATINA_REFLECTANCE_BIN", 4);
+  loop.closer = setting("PATINA_REFLECTANCE_CLOSER", 1);
   loop.steps = setting("PATINA_REFLECTANCE_STEPS", 3);
   loop.shadows = setting("PATINA_REFLECTANCE_SHADOWS", 1) != 0;
   const TempFolder folder = TempFolder::inMemory();
@@ -36,12 +38,13 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   ASSERT_EQ(run.exit, 0) << run.err;
   const LoopScore s = scoreOf(loop, folder);
   std::printf(
-      "| %s | %.4f | %.2f deg | %.1f dB | %.1f dB | %.1f dB | %.2f | %.4f | %.3f | %.2f | %.4f | "
-      "%.3f | "
-      "%.4f | %.3f |\n",
+      "| %s | %.4f | %.2f deg | %.1f dB | %.1f dB | %.1f dB | %.1f dB | %.2f | %.4f | %.3f | %.2f "
+      "| "
+      "%.4f | %.3f | %.4f | %.3f | %.4f | %.4f | %.3f |\n",
       loop.specimen.c_str(), s.diffuse_rms, s.normal_median_deg, s.psnr_db, s.psnr_worst_db,
-      s.psnr_truth_db, s.told_share, s.told_specular_rms, s.told_alpha_rms, s.sure_share,
-      s.sure_specular_rms, s.sure_alpha_rms, s.unsure_specular_rms, s.unsure_alpha_rms);
+      s.psnr_truth_db, s.psnr_unshadowed_db, s.told_share, s.told_specular_rms, s.told_alpha_rms,
+      s.sure_share, s.sure_specular_rms, s.sure_alpha_rms, s.unsure_specular_rms,
+      s.unsure_alpha_rms, s.bound_diffuse_rms, s.bound_specular_rms, s.bound_alpha_rms);
   std::fflush(stdout);
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
