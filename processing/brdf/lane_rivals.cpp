@@ -9,7 +9,7 @@
 namespace patina::brdf::lanes {
 namespace {
 
-constexpr float kUnmet = 4;           // chi squared a level
+constexpr float kUnmet = 2;           // chi squared a level
 constexpr float kModelShare = 0.05f;  // of a level, that no model meets anyhow
 // The most that a level costs, in chi squared. What is black may be in shadow, what is darker than
 // predicted at the edge of one; what is brighter nothing explains.
