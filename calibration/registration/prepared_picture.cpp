@@ -175,6 +175,7 @@ PreparedPicture preparePicture(ImageView<const float> linear,
                            "the mask is " + sizeText(usable->width, usable->height) +
                                ", the picture " + sizeText(linear.width, linear.height));
   PreparedPicture out;
+  out.photosites = photositesOf(linear);
   PictureLevel level;
   level.log_light = logLight(linear);
   if (usable) out.mask = copyOf<std::uint8_t>(*usable);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "calibration/registration/photosites.h"
 #include "processing/image/image.h"
 
 namespace patina::calibration {
@@ -26,6 +27,7 @@ constexpr float kFlat = 0.03f;  // a relative contrast below which a surface cou
 struct PreparedPicture {
   std::vector<PictureLevel> levels;
   Image<std::uint8_t> mask;  // as it was given
+  Photosites photosites;     // of the mosaic that the picture was made of
   SizePx size() const { return levels.front().size(); }
 };
 

@@ -9,6 +9,7 @@
 
 #include "calibration/failure.h"
 #include "calibration/registration/feature_start.h"
+#include "calibration/registration/mosaic_refinement.h"
 #include "calibration/registration/refinement.h"
 #include "calibration/registration/spectral_refinement.h"
 
@@ -60,9 +61,7 @@ void leaveOutWhatDisagrees(const PreparedPicture& frame, const PreparedPicture& 
 // Of a surface that is nearly blank the finest level shows little but noise: matched once more by
 // the frequencies that carry something.
 void askTheSpectrum(const PreparedPicture& frame, const PreparedPicture& reference,
-                    Alignment& out) {
-  const double before_px = out.agreement.uncertainty_px;
-  if (!(before_px > kNearlyBlank_px) || out.agreement.judged_blocks == 0) return;
+                    double before_px, Alignment& out) {
   const SpectralShift found =
       refineBySpectrum(reference, frame, out.frame_from_reference, out.agreement);
   const double apart_px =
@@ -73,6 +72,20 @@ void askTheSpectrum(const PreparedPicture& frame, const PreparedPicture& referen
   // The spectrum's bound leaves out what the mosaic makes of specks, the blocks' error counts noise
   // that the spectrum passes over: in between.
   out.agreement.uncertainty_px = kBetween * std::sqrt(found.uncertainty_px * before_px);
+}
+
+// Where a few specks are all there is to see of a surface, what the mosaic makes of them is most of
+// the error: matched once more by its own pixels.
+void askThePhotosites(const PreparedPicture& frame, const PreparedPicture& reference,
+                      double before_px, Alignment& out) {
+  const MosaicShift found =
+      refineByPhotosites(reference, frame, out.frame_from_reference, out.agreement);
+  const double apart_px =
+      cornersApart(found.frame_from_reference, out.frame_from_reference, reference.size());
+  if (!(found.uncertainty_px < before_px) || apart_px > kSigmas * before_px) return;
+  out.frame_from_reference = found.frame_from_reference;
+  out.agreement = agreementOf(reference, frame, found.frame_from_reference);
+  out.agreement.uncertainty_px = found.uncertainty_px;
 }
 
 Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& reference,
@@ -97,10 +110,13 @@ Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& referen
   out.iterations = refined.iterations;
   out.frame_from_reference = refined.frame_from_reference;
   out.agreement = agreementOf(reference, frame, out.frame_from_reference);
-  if (options.model != MotionModel::kTranslation)
+  if (options.model != MotionModel::kTranslation) {
     leaveOutWhatDisagrees(frame, reference, options, out);
-  else
-    askTheSpectrum(frame, reference, out);
+  } else if (const double before_px = out.agreement.uncertainty_px;
+             before_px > kNearlyBlank_px && out.agreement.judged_blocks > 0) {
+    askTheSpectrum(frame, reference, before_px, out);
+    askThePhotosites(frame, reference, before_px, out);
+  }
   out.verdict = verdictOf(out.agreement, options);
   return out;
 }

@@ -20,20 +20,17 @@ namespace {
 
 constexpr Nanoseconds kRun = std::chrono::hours(100);
 
-// A pixel sees the mean over its area: of 2x2 points, each without what is finer than half a pixel.
-constexpr int kAcross = 2;
-
-// A lamp from the upper left, diffuse reflection, full well at 1.2. `surface` has kAcross points
-// to a pixel across.
-std::vector<float> lightOf(const PreparedSurface& surface, double time, SizePx size) {
+// A lamp from the upper left, diffuse reflection, full well at 1.2. `surface` has `across` points
+// to a pixel across, each without what is finer than they are apart: a pixel sees their mean.
+std::vector<float> lightOf(const PreparedSurface& surface, double time, SizePx size, int across) {
   std::vector<float> light(static_cast<std::size_t>(size.width) * size.height);
   forEachRow(size.height, std::int64_t{1} << 16, [&](int y) {
-    SurfaceRow row(size.width * kAcross);
+    SurfaceRow row(size.width * across);
     float* seen = &light[static_cast<std::size_t>(y) * size.width];
-    for (int j = 0; j < kAcross; ++j) {
-      surface.rowAt(time, y * kAcross + j, row);
+    for (int j = 0; j < across; ++j) {
+      surface.rowAt(time, y * across + j, row);
       for (int k = 0; k < row.width(); ++k) {
-        const int x = k / kAcross;
+        const int x = k / across;
         const float lit = -0.5f * row[SurfaceRow::kNormalX][k] +
                           0.3f * row[SurfaceRow::kNormalY][k] +
                           0.81f * row[SurfaceRow::kNormalZ][k];
@@ -42,7 +39,7 @@ std::vector<float> lightOf(const PreparedSurface& surface, double time, SizePx s
         seen[x] += row[colour][k] * std::max(lit, 0.0f);
       }
     }
-    for (int x = 0; x < size.width; ++x) seen[x] /= kAcross * kAcross;
+    for (int x = 0; x < size.width; ++x) seen[x] /= static_cast<float>(across * across);
   });
   return light;
 }
@@ -81,9 +78,10 @@ double sample(const std::vector<float>& values, SizePx size, double x, double y)
 
 }  // namespace
 
-ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size)
+ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size, int points)
     : specimen_(makeSpecimen(name, 1)),
       size_(size),
+      points_(points),
       sensor_(std::make_unique<ImageSensor>(size, referenceProfile().sensor,
                                             lensFalloff(size, referenceProfile().lens), 5)),
       flat_(size.width, size.height, 3) {
@@ -98,12 +96,12 @@ ShiftedSpecimen::ShiftedSpecimen(const std::string& name, SizePx size)
 }
 
 std::vector<float> ShiftedSpecimen::lightAt(double time, PlacePx shift) const {
-  SampleGrid grid = SampleGrid::regular({size_.width * kAcross, size_.height * kAcross},
+  SampleGrid grid = SampleGrid::regular({size_.width * points_, size_.height * points_},
                                         specimen_->info().width_mm);
   const double pixel_mm = specimen_->info().width_mm / size_.width;
   for (float& x : grid.x_mm) x -= static_cast<float>(shift.x * pixel_mm);
   for (float& y : grid.y_mm) y += static_cast<float>(shift.y * pixel_mm);  // y is up there
-  return lightOf(*specimen_->prepare(grid), time, size_);
+  return lightOf(*specimen_->prepare(grid), time, size_, points_);
 }
 
 Image<float> ShiftedSpecimen::developed(const std::vector<float>& light, std::uint64_t seed,

@@ -19,7 +19,9 @@ namespace patina::calibration {
 // own.
 class ShiftedSpecimen {
  public:
-  ShiftedSpecimen(const std::string& name, SizePx size);
+  // `points`: of a pixel's area, across; where the surface has edges of half a pixel, 2 are too
+  // few.
+  ShiftedSpecimen(const std::string& name, SizePx size, int points = 2);
   Image<float> at(double time, PlacePx shift, std::uint64_t seed) const;
   // Cramer and Rao's bound of a shift between two such pictures, sqrt(x^2 + y^2): Fisher's matrix
   // of what the mosaic's pixels would see without noise, each by its colour's interpolated
@@ -39,6 +41,7 @@ class ShiftedSpecimen {
 
   std::unique_ptr<devices::twin::Specimen> specimen_;
   SizePx size_;
+  int points_;
   std::unique_ptr<devices::twin::ImageSensor> sensor_;
   Image<float> flat_;  // of 16 pictures of a white card
 };
