@@ -20,6 +20,7 @@ constexpr int kAround_px = 65, kBlockPx = 16, kSteps = 12;
 constexpr int kSum_px = 4;          // of a side: what stands out is looked for in sums
 constexpr double kStandsOut = 50;   // chi squared of three colours
 constexpr int kGrow_px = 3;         // its flanks tell where it is
+constexpr double kSpeck = 20;       // variance of what is a speck, over the noise
 constexpr double kLength_px = 1.4;  // of the covariance
 constexpr double kProbe_px = 0.08, kDone_px = 0.002, kMostStep_px = 0.3, kSlope_px = 0.1;
 
@@ -282,7 +283,12 @@ MosaicShift refineByPhotosites(const PreparedPicture& reference, const PreparedP
   if (cv::countNonZero(own.stands_out) == 0 || cv::countNonZero(seen.stands_out) == 0) return out;
   const Covariance prior = covarianceOf(own, reference.photosites);
   std::array<double, 3> noise{};
-  for (std::size_t c = 0; c < 3; ++c) noise[c] = (own.noise[c] + seen.noise[c]) / 2;
+  bool specks = false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    noise[c] = (own.noise[c] + seen.noise[c]) / 2;
+    specks |= prior[c][c] > kSpeck * noise[c];
+  }
+  if (!specks) return out;  // waves that rise above the noise in sums alone
   const Way forth{own, seen, frame.photosites, {reference.photosites, prior, noise}, -1},
       back{seen, own, reference.photosites, {frame.photosites, prior, noise}, 1};
   double x = start[2], y = start[5];

@@ -20,7 +20,8 @@ struct MosaicShift {
 // the covariance that the colours have where something stands out, falling off by exp(-d / 1.4 px),
 // so a red speck is told by green as well, however faint, and counts where it was sampled. `start`
 // must be a translation and right to half a pixel. Pixels of blocks that disagree are left out.
-// O(pixels) to find what stands out; deterministic; single-threaded.
+// Nothing is found where what stands out varies by less than 20 times the noise. O(pixels);
+// deterministic; single-threaded.
 MosaicShift refineByPhotosites(const PreparedPicture& reference, const PreparedPicture& frame,
                                const Motion& start, const Agreement& agreement);
 

@@ -24,6 +24,8 @@ constexpr double kBetween =
     1.3;  // 1.2 of what is found on fresh copper, 0.7 of that on fresh steel
 // The spectrum must promise clearly more.
 constexpr double kPromise = 0.6;
+// So must the photosites: of specks that are there, 0.7 of it and less.
+constexpr double kSpecksPromise = 0.75;
 constexpr double kLeastBlocks = 3.5;  // of a small picture, one or two mean nothing
 constexpr int kMostFinest = 4;
 
@@ -82,7 +84,8 @@ void askThePhotosites(const PreparedPicture& frame, const PreparedPicture& refer
       refineByPhotosites(reference, frame, out.frame_from_reference, out.agreement);
   const double apart_px =
       cornersApart(found.frame_from_reference, out.frame_from_reference, reference.size());
-  if (!(found.uncertainty_px < before_px) || apart_px > kSigmas * before_px) return;
+  if (!(found.uncertainty_px < kSpecksPromise * before_px) || apart_px > kSigmas * before_px)
+    return;
   out.frame_from_reference = found.frame_from_reference;
   out.agreement = agreementOf(reference, frame, found.frame_from_reference);
   out.agreement.uncertainty_px = found.uncertainty_px;

@@ -162,8 +162,8 @@ double limitPx(const ShiftErrors& found, int pairs) {
   return std::max(0.05, by_chance * found.bound_px);
 }
 
-// PATINA_SHIFTS of each specimen and age, in pictures of PATINA_SHIFT_SIDE pixels, print the whole
-// table.
+// PATINA_SHIFTS of each specimen and age, or of PATINA_SHIFTS_OF alone, in pictures of
+// PATINA_SHIFT_SIDE pixels, print the whole table.
 TEST(Registration, FindsRandomShiftsToATwentiethOfAPixelWhereverTheSurfaceShowsEnough) {
   const int shifts = fromEnvironment("PATINA_SHIFTS", 2),
             side = fromEnvironment("PATINA_SHIFT_SIDE", 256);
@@ -171,6 +171,8 @@ TEST(Registration, FindsRandomShiftsToATwentiethOfAPixelWhereverTheSurfaceShowsE
   for (const char* specimen :
        {"banana_ripening", "copper_patination", "grass_growth", "paint_cracking",
         "snow_accumulation", "steel_rusting", "wood_drying"}) {
+    if (const char* only = std::getenv("PATINA_SHIFTS_OF"); only && specimen != std::string(only))
+      continue;
     // Specks of fresh steel have rims of half a pixel.
     const int points = std::string(specimen) == "steel_rusting" ? 4 : 2;
     const ShiftedSpecimen twin(specimen, {side, side}, points);
