@@ -124,7 +124,9 @@ void describe(const optimization::OptimizedField& field, double uniformity, Item
   item.set("shown_again", Value{copies.shown_again})
       .set("copies_apart_least", Value{copies.least})
       .set("copies_apart_twentieth", Value{copies.twentieth})
-      .set("copies_apart_median", Value{copies.median});
+      .set("copies_apart_median", Value{copies.median})
+      .set("landmarks", field.landmarks.count)
+      .set("landmarks_apart", Value{optimization::landmarksApart(field)});
 }
 
 }  // namespace patina::app

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kCells = 16;
 constexpr double kWholeEnough = 0.75;
+constexpr double kLandmarkEnough = 1.0 / 8, kSamePlace = 1.0 / 12;
 
 // Which copied region each patch belongs to: the index of one of its patches.
 std::vector<std::int32_t> regionsOf(const OptimizedField& field) {
@@ -76,13 +77,86 @@ std::vector<std::vector<Place>> placesOf(const OptimizedField& field, int cell_p
 double apart(const Place& a, const Place& b, const OptimizedField& field) {
   double x = std::abs(a.x - b.x), y = std::abs(a.y - b.y);
   if (field.wraps) {
-    x = std::min(x, field.size.width - x);
-    y = std::min(y, field.size.height - y);
+    x = std::abs(std::remainder(x, field.size.width));
+    y = std::abs(std::remainder(y, field.size.height));
   }
   return std::hypot(x, y);
 }
 
+// Connected patches that show a landmark: their middle, and that of where the sample would begin.
+struct LandmarkShown {
+  Place middle, sample;
+};
+
+// In coordinates that go on beyond the edge where the result wraps. Takes what it covers from `of`.
+LandmarkShown shownFrom(std::size_t first, const OptimizedField& field,
+                        std::vector<std::int32_t>& of) {
+  const std::int32_t landmark = of[first];
+  const int width = field.size.width, height = field.size.height;
+  struct Position {
+    int x, y;
+  };
+  std::vector<Position> pending;
+  LandmarkShown out;
+  const auto take = [&](int x, int y) {
+    const int tx = field.wraps ? (x % width + width) % width : x,
+              ty = field.wraps ? (y % height + height) % height : y;
+    if (tx < 0 || ty < 0 || tx >= width || ty >= height) return;
+    const std::size_t at = static_cast<std::size_t>(ty) * static_cast<std::size_t>(width) +
+                           static_cast<std::size_t>(tx);
+    if (of[at] != landmark) return;
+    of[at] = -1;
+    const std::int32_t centre = field.centres[at];
+    out.middle.x += x;
+    out.middle.y += y;
+    out.sample.x += x - centre % field.source.width;
+    out.sample.y += y - centre / field.source.width;
+    ++out.middle.patches;
+    pending.push_back({x, y});
+  };
+  take(static_cast<int>(first) % width, static_cast<int>(first) / width);
+  while (!pending.empty()) {
+    const Position from = pending.back();
+    pending.pop_back();
+    for (int v = -1; v <= 1; ++v)
+      for (int u = -1; u <= 1; ++u) take(from.x + u, from.y + v);
+  }
+  for (Place* place : {&out.middle, &out.sample}) {
+    place->x /= out.middle.patches;
+    place->y /= out.middle.patches;
+  }
+  return out;
+}
+
 }  // namespace
+
+double landmarksApart(const OptimizedField& field) {
+  const Landmarks& landmarks = field.landmarks;
+  std::vector<int> size(static_cast<std::size_t>(landmarks.count));
+  for (int y = 0; y < field.source.height; ++y)
+    for (int x = 0; x < field.source.width; ++x)
+      if (const std::int32_t of = landmarks.at(x, y, field.source); of >= 0)
+        ++size[static_cast<std::size_t>(of)];
+  std::vector<std::int32_t> of;
+  for (const std::int32_t centre : field.centres)
+    of.push_back(
+        landmarks.at(centre % field.source.width, centre / field.source.width, field.source));
+  std::vector<std::vector<LandmarkShown>> shown(size.size());
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (of[i] < 0) continue;
+    const auto landmark = static_cast<std::size_t>(of[i]);
+    const LandmarkShown one = shownFrom(i, field, of);
+    if (one.middle.patches >= kLandmarkEnough * size[landmark]) shown[landmark].push_back(one);
+  }
+  const int side = std::min(field.source.width, field.source.height);
+  double least = std::numeric_limits<double>::max();
+  for (const std::vector<LandmarkShown>& places : shown)
+    for (std::size_t a = 0; a < places.size(); ++a)
+      for (std::size_t b = a + 1; b < places.size(); ++b)
+        if (apart(places[a].sample, places[b].sample, field) > kSamePlace * side)
+          least = std::min(least, apart(places[a].middle, places[b].middle, field));
+  return least < std::numeric_limits<double>::max() ? least / side : 0;
+}
 
 CopiesApart copiesApart(const OptimizedField& field) {
   const int side = std::min(field.source.width, field.source.height),

@@ -17,4 +17,10 @@ struct CopiesApart {
 };
 CopiesApart copiesApart(const OptimizedField& field);
 
+// The least distance between two places of the result that show the same landmark, over the
+// sample's smaller side: of connected patches that show an eighth of it or more, whichever, middle
+// from middle. Two that show it at the same place, but for a twelfth of the side, are one copy. 0:
+// none is shown twice. Copies on a square grid that show each place of the sample once lie 1 apart.
+double landmarksApart(const OptimizedField& field);
+
 }  // namespace patina::texture_optimization

@@ -25,6 +25,13 @@ constexpr double kRepeat = 4, kApart = 1.1;
 // Of one copy that goes on beyond two blocks, for each block there: else whole samples lie side by
 // side.
 constexpr double kLongCopy = 0.8;
+// Of two copies of a landmark, kLandmark sqrt(1 - apart / kLandmarksApart): next to nothing else
+// counts until they are so far apart, and nothing from there on, or they would be left out and with
+// them some of the variance. Of copies that are cut, the root of the product of what shows.
+constexpr double kLandmark = 8, kLandmarksApart = 1.05;
+constexpr float kLeastShare = 0.02f;
+// Mismatch weighs so much where a landmark is cut.
+constexpr float kCut = 4;
 constexpr double kHeat = 0.3;
 
 std::size_t texelsOf(SizePx size) {
@@ -36,6 +43,13 @@ struct Rim {
   int x, y;
   std::ptrdiff_t offset;  // in the source, in numbers
   const std::int16_t* shown;
+  float weight;  // of its mismatch
+};
+
+// What a block at `place` shows of a landmark: its share and the middle of it, in the block.
+struct Part {
+  std::int32_t place;
+  float share, x, y;
 };
 
 class Layout {
@@ -51,12 +65,14 @@ class Layout {
         rows_((target.height + block_ - 1) / block_),
         kept_(limits.kept.begin(), limits.kept.end()),
         shown_(limits.kept.begin(), limits.kept.end()),
+        weights_(texelsOf(source.size()), 1.0f),
         repeats_(texelsOf(source.size())) {
     shown_.resize(texelsOf(target), -1);
     for (int y = 0; y + block_ <= source.height; ++y)
       for (int x = 0; x + block_ <= source.width; ++x)
         if (holdsBlock(limits.usable, x, y)) places_.push_back(y * source.width + x);
     makeKernel();
+    if (limits.landmarks != nullptr) findLandmarks(*limits.landmarks);
     mismatch_unit_ = varianceOfDifferences();
   }
 
@@ -107,6 +123,45 @@ class Layout {
         const double near = std::max(0.0, 1 - std::hypot(x, y) / reach);
         kernel_.push_back(x == 0 && y == 0 ? 0.0f : static_cast<float>(kRepeat * near * near));
       }
+  }
+
+  void findLandmarks(const Landmarks& landmarks) {
+    std::vector<std::vector<float>> share(static_cast<std::size_t>(landmarks.count),
+                                          std::vector<float>(weights_.size()));
+    const SizePx size = landmarks.size;
+    std::vector<float> whole(share.size());
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const std::int32_t of = landmarks.at(x, y, size);
+        if (of < 0) continue;
+        const auto at = static_cast<std::size_t>(y * source_.height / size.height * source_.width +
+                                                 x * source_.width / size.width);
+        ++share[static_cast<std::size_t>(of)][at];
+        ++whole[static_cast<std::size_t>(of)];
+        weights_[at] = kCut;
+      }
+    for (std::size_t k = 0; k < share.size(); ++k) {
+      landmarks_.emplace_back();
+      for (const std::int32_t place : places_)
+        if (const Part part = partOf(share[k], place); part.share > kLeastShare * whole[k])
+          landmarks_[k].push_back({place, part.share / whole[k], part.x, part.y});
+    }
+  }
+
+  Part partOf(const std::vector<float>& share, std::int32_t place) const {
+    Part out{place, 0, 0, 0};
+    for (int j = 0; j < block_; ++j)
+      for (int i = 0; i < block_; ++i) {
+        const float v = share[static_cast<std::size_t>(place + j * source_.width + i)];
+        out.share += v;
+        out.x += v * static_cast<float>(i);
+        out.y += v * static_cast<float>(j);
+      }
+    if (out.share > 0) {
+      out.x /= out.share;
+      out.y /= out.share;
+    }
+    return out;
   }
 
   // Mean squared difference of two texels anywhere in the source.
@@ -176,7 +231,8 @@ class Layout {
         const std::int32_t shown = shown_[targetIndex(x, y)];
         if (shown < 0) continue;
         rim_.push_back({i, j, (std::ptrdiff_t{j} * source_.width + i) * source_.channels,
-                        source_.data + static_cast<std::ptrdiff_t>(shown) * source_.channels});
+                        source_.data + static_cast<std::ptrdiff_t>(shown) * source_.channels,
+                        weights_[static_cast<std::size_t>(shown)]});
       }
   }
 
@@ -187,16 +243,18 @@ class Layout {
     const std::int16_t* corner =
         source_.data + static_cast<std::ptrdiff_t>(place) * source_.channels;
     const double enough = most * mismatch_unit_ * static_cast<double>(rim_.size());
-    std::int64_t sum = 0;
+    double sum = 0;
     int count = 0;
     for (const Rim& rim : rim_) {
       if (!inside && (x + rim.x < 0 || y + rim.y < 0 || x + rim.x >= source_.width ||
                       y + rim.y >= source_.height))
         continue;
-      sum += squaredDifference(corner + rim.offset, rim.shown);
-      if (++count % 16 == 0 && static_cast<double>(sum) >= enough) return most;
+      const float weight = std::max(
+          rim.weight, weights_[static_cast<std::size_t>(place + rim.y * source_.width + rim.x)]);
+      sum += weight * squaredDifference(corner + rim.offset, rim.shown);
+      if (++count % 16 == 0 && sum >= enough) return most;
     }
-    return count == 0 ? 0 : static_cast<double>(sum) / (count * mismatch_unit_);
+    return count == 0 ? 0 : sum / (count * mismatch_unit_);
   }
 
   std::int32_t squaredDifference(const std::int16_t* a, const std::int16_t* b) const {
@@ -228,6 +286,7 @@ class Layout {
                   column = (columnOf(b) + c + columns_) % columns_;
         const int block = row * columns_ + column;
         addRepeats(blocks_[static_cast<std::size_t>(block)], c, r);
+        addLandmarks(blocks_[static_cast<std::size_t>(block)], c, r);
       }
   }
 
@@ -259,6 +318,25 @@ class Layout {
     }
   }
 
+  // The same of landmarks, whichever part of them shows; not where both blocks go on in one copy.
+  void addLandmarks(std::int32_t place, int right, int below) {
+    const int tx = right * block_, ty = below * block_;
+    const double reach = kLandmarksApart * std::min(source_.width, source_.height);
+    for (const std::vector<Part>& parts : landmarks_) {
+      const auto there =
+          std::lower_bound(parts.begin(), parts.end(), place,
+                           [](const Part& part, std::int32_t at) { return part.place < at; });
+      if (there == parts.end() || there->place != place) continue;
+      for (const Part& here : parts) {
+        if (here.place + ty * source_.width + tx == place) continue;
+        const double near = 1 - std::hypot(tx + there->x - here.x, ty + there->y - here.y) / reach;
+        if (near > 0)
+          repeats_[static_cast<std::size_t>(here.place)] +=
+              static_cast<float>(kLandmark * std::sqrt(near * there->share * here.share));
+      }
+    }
+  }
+
   ImageView<const std::int16_t> source_;
   SizePx target_;
   bool wraps_;
@@ -268,7 +346,9 @@ class Layout {
   std::vector<std::int32_t> places_;        // where in the source a block may lie: its first texel
   std::vector<std::int32_t> blocks_;        // the place that each shows
   std::vector<Rim> rim_;                    // of the block that moves
-  std::vector<float> kernel_, repeats_;     // repeats_: of the block that moves, by its place
+  std::vector<float> weights_;              // [h][w] of the source: of mismatch
+  std::vector<std::vector<Part>> landmarks_;  // of each, by place
+  std::vector<float> kernel_, repeats_;       // repeats_: of the block that moves, by its place
   double mismatch_unit_ = 1;
 };
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which part of the sample goes where: square blocks of a coarse level, laid so that they join and
 // no place is shown again nearby. A landmark that is seen twice at a glance gives the copying away,
-// however evenly the whole is used; what lies apart here stays apart on finer levels.
+// however evenly the whole is used; what lies apart here stays apart on finer levels. Of a landmark
+// any part counts as the whole, and none is owed a copy.
 //
 // Every block in turn moves to the part of the sample that costs least beside what is there:
 //
-//   mismatch along its rim + repeats near by + length of one copy + heat
+//   mismatch along its rim + repeats near by + landmarks near by + length of one copy + heat
 //
 // Heat is noise that fades over the sweeps, so that early choices do not stay for good.
 #pragma once
@@ -16,6 +17,7 @@
 
 #include "processing/image/image.h"
 #include "processing/image/progress.h"
+#include "processing/synthesis/texture_optimization/landmarks.h"
 
 namespace patina::texture_optimization {
 
@@ -24,6 +26,7 @@ struct LayoutLimits {
   std::span<const std::uint8_t> usable = {};  // [h][w] of the source: no block covers a 0
   std::span<const std::int32_t> kept = {};    // [h][w] of the target: the source texel that stays
                                               // there, or -1: none
+  const Landmarks* landmarks = nullptr;       // of the source
 };
 
 // The source texel shown at each target texel, y * source width + x; blocks are a quarter of the

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "processing/image/random.h"
+#include "processing/synthesis/texture_optimization/landmarks.h"
 #include "processing/synthesis/texture_optimization/layout.h"
 #include "processing/synthesis/texture_optimization/levels.h"
 
@@ -82,6 +83,7 @@ struct Level {
   std::vector<patch::CompactPart> parts;
   std::vector<std::uint8_t> usable;
   std::vector<std::int32_t> kept;
+  std::vector<std::int32_t> source_labels = {}, target_labels = {};
 };
 Level levelOf(int level, const patch::CompactFeatures& compact, SizePx size,
               const Constraints& constraints) {
@@ -97,6 +99,20 @@ Level levelOf(int level, const patch::CompactFeatures& compact, SizePx size,
   return out;
 }
 
+// Landmarks stay where the layout shows them: even use does not bring them back elsewhere.
+void label(Level& level, const Landmarks& landmarks, const std::vector<std::int32_t>& of,
+           SizePx labelled) {
+  const SizePx source = level.source_size, target = level.target_size;
+  for (int y = 0; y < source.height; ++y)
+    for (int x = 0; x < source.width; ++x)
+      level.source_labels.push_back(landmarks.at(x, y, source));
+  for (int y = 0; y < target.height; ++y)
+    for (int x = 0; x < target.width; ++x)
+      level.target_labels.push_back(
+          of[static_cast<std::size_t>(y * labelled.height / target.height * labelled.width +
+                                      x * labelled.width / target.width)]);
+}
+
 std::unique_ptr<patch::NearestField> fieldOf(const Level& level, double scale,
                                              const patch::FieldOptions& options,
                                              const patch::NearestField* coarse) {
@@ -104,13 +120,15 @@ std::unique_ptr<patch::NearestField> fieldOf(const Level& level, double scale,
   for (std::size_t i = 1; i < level.parts.size(); ++i)
     further.push_back({level.parts[i].texels.view(), level.parts[i].guide.view()});
   const patch::CompactPart& leading = level.parts[0];
-  return std::make_unique<patch::NearestField>(leading.texels.view(), scale, level.target_size,
-                                               options,
-                                               patch::FieldLimits{.usable = level.usable,
-                                                                  .kept = level.kept,
-                                                                  .guide = leading.guide.view(),
-                                                                  .further = further,
-                                                                  .coarse = coarse});
+  return std::make_unique<patch::NearestField>(
+      leading.texels.view(), scale, level.target_size, options,
+      patch::FieldLimits{.usable = level.usable,
+                         .kept = level.kept,
+                         .guide = leading.guide.view(),
+                         .further = further,
+                         .source_labels = level.source_labels,
+                         .target_labels = level.target_labels,
+                         .coarse = coarse});
 }
 
 // What is shown before the first search, and the level it stands on.
@@ -122,7 +140,10 @@ struct Beginning {
   int level;  // that is searched first
   bool joined;
   Shown shown;
+  Landmarks landmarks = {};
+  std::vector<std::int32_t> labels = {};  // which of them each of the texels shown may show
 };
+
 Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptions& options,
                       const Constraints& constraints, Progress& progress) {
   const SizePx whole = compact.parts[0].texels.size();
@@ -136,16 +157,28 @@ Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptio
   // A guide says itself what goes where.
   if (!compact.guided()) {
     const Level there = levelOf(level, compact, options.size, constraints);
-    std::vector<std::int32_t> centres =
-        laidOut(there.parts[0].texels.view(), there.target_size,
-                {.wraps = options.field.wraps, .usable = there.usable, .kept = there.kept},
-                options.field.seed, progress);
-    if (!centres.empty())
-      return {
-          std::max(level - 1, 0), true, {there.source_size, there.target_size, std::move(centres)}};
+    Landmarks landmarks = landmarksOf(
+        averaged(compact.parts[0].texels, halved(whole, std::max(level - 1, 0))).view());
+    std::vector<std::int32_t> centres = laidOut(there.parts[0].texels.view(), there.target_size,
+                                                {.wraps = options.field.wraps,
+                                                 .usable = there.usable,
+                                                 .kept = there.kept,
+                                                 .landmarks = &landmarks},
+                                                options.field.seed, progress);
+    if (!centres.empty()) {
+      std::vector<std::int32_t> labels =
+          landmarksIn(centres, there.target_size, there.source_size, landmarks);
+      return {.level = std::max(level - 1, 0),
+              .joined = true,
+              .shown = {there.source_size, there.target_size, std::move(centres)},
+              .landmarks = std::move(landmarks),
+              .labels = std::move(labels)};
+    }
   }
   const SizePx source = halved(whole, coarsest), target = halved(options.size, coarsest);
-  return {coarsest, false, {source, target, scattered(source, target, options.field)}};
+  return {.level = coarsest,
+          .joined = false,
+          .shown = {source, target, scattered(source, target, options.field)}};
 }
 
 }  // namespace
@@ -181,6 +214,7 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
                      .kept = constraints.kept,
                      .gain = {},
                      .energy = {},
+                     .landmarks = std::move(beginning.landmarks),
                      .levels = beginning.level + 1};
   // Work of a level grows with its texels.
   const auto work = [&](int level) {
@@ -193,8 +227,10 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
 
   std::unique_ptr<patch::NearestField> coarse;
   Shown& shown = beginning.shown;
+  const SizePx labelled = shown.target_size;
   for (int level = beginning.level; level >= 0; --level) {
-    const Level here = levelOf(level, compact, options.size, constraints);
+    Level here = levelOf(level, compact, options.size, constraints);
+    if (out.landmarks.count > 0) label(here, out.landmarks, beginning.labels, labelled);
     patch::FieldOptions field_options = options.field;
     if (level > 0) field_options.uniformity *= kCoarseUniformity;
     field_options.seed = hashSeed(options.field.seed, static_cast<std::uint64_t>(level));

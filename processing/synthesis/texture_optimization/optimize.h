@@ -4,8 +4,8 @@
 // it. Where we depart from Meister et al. 2021: levels are averages, not point samples; distances
 // are integers on principal components, a few of which spare most candidates the others; uses are
 // counted exactly (patch/nearest_field.h) and weigh more on coarse levels; on the coarsest, blocks
-// are laid out so that copies of a place lie apart (layout.h); the last vote keeps its contrast
-// (sharp_vote.h).
+// are laid out so that copies of a place lie apart (layout.h), and landmarks stay where they were
+// laid (landmarks.h); the last vote keeps its contrast (sharp_vote.h).
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,7 @@
 #include "processing/patch/euclidean.h"
 #include "processing/patch/nearest_field.h"
 #include "processing/synthesis/texture_optimization/constraints.h"
+#include "processing/synthesis/texture_optimization/landmarks.h"
 #include "processing/synthesis/texture_optimization/sharp_vote.h"
 
 namespace patina::texture_optimization {
@@ -44,7 +45,8 @@ struct OptimizedField {
   std::vector<std::int32_t> kept;     // as in the constraints
   VoteGain gain;
   patch::FieldEnergy energy;
-  int levels = 0;  // that were searched
+  Landmarks landmarks;  // none where a guide leads
+  int levels = 0;       // that were searched
 
   patch::Votes votes() const { return {centres, size, source.width, patch / 2, wraps, kept}; }
 };

@@ -195,6 +195,23 @@ TEST(NearestField, LeavesKeptPatchesWhereTheyAre) {
   for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_TRUE(kept[i] <= 0 || end[i] == kept[i]);
 }
 
+TEST(NearestField, ShowsLabelledPatchesOnlyWhereTheTargetHasTheirLabel) {
+  std::vector<std::int32_t> source(kSource * kSource, -1), target(kTarget * kTarget, -1);
+  for (int y = 15; y < 22; ++y)
+    for (int x = 15; x < 22; ++x) source[indexOf(x, y, kSource)] = 1;
+  for (int y = 30; y < 60; ++y)
+    for (int x = 30; x < 60; ++x) target[indexOf(x, y, kTarget)] = 1;
+  const Outcome out =
+      optimised({.similar = {}}, 3, {.source_labels = source, .target_labels = target});
+  int shown = 0;
+  for (std::size_t i = 0; i < out.centres.size(); ++i) {
+    const bool labelled = source[static_cast<std::size_t>(out.centres[i])] == 1;
+    EXPECT_TRUE(!labelled || target[i] == 1) << i;
+    shown += labelled ? 1 : 0;
+  }
+  EXPECT_GT(shown, 0);
+}
+
 // What is left of a join: the mean difference across it over that inside, in the first component.
 double joinOf(const Outcome& out) {
   const Image<std::int16_t> source = blobs();

@@ -22,7 +22,8 @@ OptimizedField twoCopies(int shift) {
                        .centres = {},
                        .kept = {},
                        .gain = {},
-                       .energy = {}};
+                       .energy = {},
+                       .landmarks = {}};
   for (int y = 0; y < kResult; ++y)
     for (int x = 0; x < kResult; ++x) {
       const int sx = x < shift ? x : x - shift;
@@ -61,6 +62,47 @@ TEST(CopiesApart, GoesAroundWhereTheResultWraps) {
       for (int x = 64; x < kResult; ++x)
         field.centres[indexOf(x, y)] = x < 80 ? 2 * kSource + 2 : y * kSource + x - 80;
     EXPECT_DOUBLE_EQ(copiesApart(field).median, wraps ? 0.75 : 1.25);
+  }
+}
+
+// A landmark of 8x8 texels at 24,24 of the sample; the copies of the sample show it.
+OptimizedField twoLandmarks(int shift) {
+  OptimizedField field = twoCopies(shift);
+  field.landmarks = {.size = {kSource, kSource}, .count = 1, .of = {}};
+  for (int y = 0; y < kSource; ++y)
+    for (int x = 0; x < kSource; ++x)
+      field.landmarks.of.push_back(x / 8 == 3 && y / 8 == 3 ? 0 : -1);
+  return field;
+}
+
+TEST(LandmarksApart, IsTheDistanceOfTwoCopiesWholeOrCut) {
+  EXPECT_DOUBLE_EQ(landmarksApart(twoLandmarks(48)), 0.75);
+  EXPECT_DOUBLE_EQ(landmarksApart(twoLandmarks(0)), 0);
+  // Half of it a third time, and a sliver that is not known again.
+  OptimizedField field = twoLandmarks(64);
+  const auto show = [&](int left, int width, int height) {
+    for (int y = 24; y < 24 + height; ++y)
+      for (int x = 0; x < width; ++x) field.centres[indexOf(left + x, y)] = y * kSource + 28 + x;
+  };
+  show(44, 1, 7);
+  show(46, 4, 8);
+  EXPECT_DOUBLE_EQ(landmarksApart(field), 20.0 / kSource);
+}
+
+TEST(LandmarksApart, TakesWhatShowsOnePlaceForOneCopy) {
+  OptimizedField field = twoLandmarks(64);
+  for (int y = 24; y < 32; ++y) field.centres[indexOf(28, y)] = 2 * kSource + 2;  // cut in two
+  EXPECT_NEAR(landmarksApart(field), 1 - 2.5 / kSource, 1e-9);
+}
+
+TEST(LandmarksApart, GoesAroundWhereTheResultWraps) {
+  OptimizedField field = twoLandmarks(64);
+  for (const bool wraps : {false, true}) {
+    field.wraps = wraps;
+    for (int y = 0; y < kSource; ++y)
+      for (int x = 64; x < kResult; ++x)
+        field.centres[indexOf(x, y)] = x < 80 ? 2 * kSource + 2 : y * kSource + x - 80;
+    EXPECT_DOUBLE_EQ(landmarksApart(field), wraps ? 0.75 : 1.25);
   }
 }
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What of a sample is known again wherever it is shown: patches that look like no other. Seen twice
+// at a glance, whole or cut, they give the copying away (layout.h lays them apart).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "processing/image/image.h"
+
+namespace patina::texture_optimization {
+
+struct Landmarks {
+  SizePx size;  // of the sample they were looked for in
+  int count = 0;
+  std::vector<std::int32_t> of = {};  // [h][w] the landmark a patch centred there shows; -1: none
+
+  // Of the sample in another size.
+  std::int32_t at(int x, int y, SizePx sample) const;
+};
+
+// A landmark is a connected set of patches, 2.5 times as far or more from the nearest patch
+// elsewhere as the median is. `source` [h][w][n] integers whose squared difference is the distance
+// meant, n a multiple of 4, rows without gaps: patches are a tenth of its smaller side wide;
+// elsewhere is a twelfth of the side away or more. Above 2^22 pairs of patches only every n-th is
+// compared. The same for any number of threads. Time: 10 ms for 64x64 texels.
+Landmarks landmarksOf(ImageView<const std::int16_t> source);
+
+// Which landmark each texel of a target may show: those of `shown` [h][w] (y * sample width + x,
+// as laid out), and a texel around. -1: none.
+std::vector<std::int32_t> landmarksIn(const std::vector<std::int32_t>& shown, SizePx target,
+                                      SizePx sample, const Landmarks& landmarks);
+
+}  // namespace patina::texture_optimization
