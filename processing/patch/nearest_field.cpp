@@ -50,19 +50,16 @@ NearestField::NearestField(ImageView<const std::int16_t> source, double scale, S
       options_(options),
       reach_(options.patch / 2),
       kept_(limits.kept.begin(), limits.kept.end()),
-      source_labels_(limits.source_labels.begin(), limits.source_labels.end()),
-      target_labels_(limits.target_labels.begin(), limits.target_labels.end()),
+      labels_(limits.labels == nullptr ? Labels{} : *limits.labels),
       leading_(source, target, options.patch, limits.guide),
       wakefulness_(target, options.wraps, kPassesAwake),
       order_(target, options.wraps) {
   options.check();
-  PATINA_CHECK(std::min(source.width, source.height) >= options.patch &&
-               std::min(target.width, target.height) >= 1 &&
-               (kept_.empty() || kept_.size() == indexOf(0, target.height)) &&
-               (source_labels_.empty() ||
-                (source_labels_.size() == static_cast<std::size_t>(source.width) *
-                                              static_cast<std::size_t>(source.height) &&
-                 target_labels_.size() == indexOf(0, target.height))));
+  PATINA_CHECK(
+      std::min(source.width, source.height) >= options.patch &&
+      std::min(target.width, target.height) >= 1 &&
+      (kept_.empty() || kept_.size() == indexOf(0, target.height)) &&
+      (labels_.of_source.empty() || (labels_.source == source.size() && labels_.target == target)));
   const double texels = static_cast<double>(target.width) * target.height,
                source_texels = static_cast<double>(source.width) * source.height,
                even = texels / source_texels * options.patch * options.patch;
@@ -118,7 +115,7 @@ void NearestField::wakeSeams() {
         seams[static_cast<std::size_t>(at)] = 1;
       }
   for (std::size_t i = 0; i < seams.size(); ++i)
-    if (refused(centres_[i], i)) seams[i] = 1;
+    if (labels_.refuse(centres_[i], i)) seams[i] = 1;
   wakefulness_.wakeOnly(seams);
 }
 
@@ -201,12 +198,6 @@ void NearestField::sweep(int lane, int step, int pass, bool forward) {
     }
 }
 
-bool NearestField::refused(std::int32_t centre, std::size_t at) const {
-  if (source_labels_.empty()) return false;
-  const std::int32_t label = source_labels_[static_cast<std::size_t>(centre)];
-  return label >= 0 && label != target_labels_[at];
-}
-
 std::int32_t NearestField::neighbour(int x, int y) const {
   const int width = target_size_.width, height = target_size_.height;
   if (options_.wraps) {
@@ -246,7 +237,7 @@ struct NearestField::Judge {
     std::int32_t distance = field.leading_.distance(target, centre, bound);
     if (distance >= bound) return;
     distance = field.further(distance, x, y, centre, bound);
-    if (distance < bound && !field.refused(centre, field.indexOf(x, y)))
+    if (distance < bound && !field.labels_.refuse(centre, field.indexOf(x, y)))
       best = {centre, distance, its_penalty};
   }
   // Candidates lie anywhere in the source: asked for before the neighbours' are judged.
@@ -293,7 +284,7 @@ void NearestField::judge(const Lane& lane, int x, int y, int pass, int ahead) {
   const std::size_t at = indexOf(x, y);
   Judge judge{*this, lane.occupancy,         x,
               y,     leading_.patchAt(x, y), {centres_[at], distances_[at], 0}};
-  if (refused(centres_[at], at)) judge.best.distance = kGivesWay;
+  if (labels_.refuse(centres_[at], at)) judge.best.distance = kGivesWay;
   judge.best.penalty = judge.penalty(centres_[at]);
   if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
   for (const Step before : {Step{-ahead, 0}, Step{0, -ahead}})

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "processing/image/image.h"
+#include "processing/patch/labels.h"
 #include "processing/patch/lanes.h"
 #include "processing/patch/occupancy.h"
 #include "processing/patch/patch_components.h"
@@ -62,8 +63,7 @@ struct FieldLimits {
   ImageView<const std::int16_t> guide = {};   // [h][w][n] of the target; n a multiple of 8. The
                                               // source's last n components are its guides
   std::span<const FurtherComponents> further = {};
-  // [h][w], both or none: a patch whose label is >= 0 is shown only where the target has the same.
-  std::span<const std::int32_t> source_labels = {}, target_labels = {};
+  const Labels* labels = nullptr;        // copied
   const NearestField* coarse = nullptr;  // of the level above: what is similar there is taken
                                          // to be similar here. Null: an index is made
 };
@@ -118,7 +118,6 @@ class NearestField {
   bool fixed(std::size_t at) const {
     return !kept_.empty() && kept_[at] >= 0 && usable_[static_cast<std::size_t>(kept_[at])] != 0;
   }
-  bool refused(std::int32_t centre, std::size_t at) const;  // by the labels
   std::int32_t neighbour(int x, int y) const;  // index in the target; -1: beyond its edge
   Votes votes() const;
   std::size_t indexOf(int x, int y) const {
@@ -134,7 +133,8 @@ class NearestField {
   float penalty_scale_;
   std::int32_t least_gain_;  // of a candidate that is taken
   std::vector<std::uint8_t> usable_;
-  std::vector<std::int32_t> kept_, source_labels_, target_labels_;
+  std::vector<std::int32_t> kept_;
+  Labels labels_;
   std::vector<SimilarPatches> similar_;  // one, or none for PatchMatch
   PatchComponents leading_;
   std::vector<PatchComponents> further_;

@@ -64,22 +64,28 @@ void count(benchmark::State& state, const optimization::OptimizedField& field) {
                                                   benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// search (0: coherent, 1: PatchMatch), degree, effort (0: full, 1: quick)
-void BM_Enlarge(benchmark::State& state) {
-  std::optional<stbrdf::StbrdfSet> set = sampleSet();
+// The sample's upper left corner, enlarged.
+void enlargeCorner(benchmark::State& state, int side, std::int64_t degree,
+                   const optimization::EnlargeOptions& options) {
+  std::optional<stbrdf::StbrdfSet> set = sampleSet(side);
   if (!set) {
     state.SkipWithError("needs PATINA_TEST_DATA");
     return;
   }
-  if (state.range(1) == 5) raiseTo5(*set);
-  optimization::EnlargeOptions options = optionsFor(state);
-  if (state.range(2) == 1) options.optimize.effort = optimization::Effort::kQuick;
+  if (degree == 5) raiseTo5(*set);
   optimization::OptimizedField field;
   for (auto _ : state) {
     Progress progress;
     field = optimization::enlarge(*set, options, {}, progress).field;
   }
   count(state, field);
+}
+
+// search (0: coherent, 1: PatchMatch), degree, effort (0: full, 1: quick)
+void BM_Enlarge(benchmark::State& state) {
+  optimization::EnlargeOptions options = optionsFor(state);
+  if (state.range(2) == 1) options.optimize.effort = optimization::Effort::kQuick;
+  enlargeCorner(state, kSample, state.range(1), options);
 }
 BENCHMARK(BM_Enlarge)
     ->ArgsProduct({{0, 1}, {3, 5}, {0}})
@@ -90,20 +96,9 @@ BENCHMARK(BM_Enlarge)
 
 // The whole set, 512x512 to 2048x2048. degree
 void BM_EnlargeWhole(benchmark::State& state) {
-  std::optional<stbrdf::StbrdfSet> set = sampleSet(512);
-  if (!set) {
-    state.SkipWithError("needs PATINA_TEST_DATA");
-    return;
-  }
-  if (state.range(0) == 5) raiseTo5(*set);
   optimization::EnlargeOptions options;
   options.optimize.size = {2048, 2048};
-  optimization::OptimizedField field;
-  for (auto _ : state) {
-    Progress progress;
-    field = optimization::enlarge(*set, options, {}, progress).field;
-  }
-  count(state, field);
+  enlargeCorner(state, 512, state.range(0), options);
 }
 BENCHMARK(BM_EnlargeWhole)
     ->Arg(3)

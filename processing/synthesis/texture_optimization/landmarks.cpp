@@ -14,7 +14,7 @@
 namespace patina::texture_optimization {
 namespace {
 
-constexpr int kReachOfSide = 24, kElsewhereOfSide = 12;
+constexpr int kReachOfSide = 24, kElsewhereOfSide = 12, kSlackOfSide = 24;
 constexpr std::int64_t kPairsMost = std::int64_t{1} << 22;
 // A landmark's patches over the median. Lower, and there are landmarks everywhere: they keep out of
 // one another's way at the cost of all else.
@@ -183,10 +183,8 @@ Landmarks landmarksOf(ImageView<const std::int16_t> source) {
   return out;
 }
 
-std::vector<std::int32_t> landmarksIn(const std::vector<std::int32_t>& shown, SizePx target,
-                                      SizePx sample, const Landmarks& landmarks) {
-  std::vector<std::int32_t> of(shown.size(), -1);
-  if (landmarks.count == 0) return of;
+std::vector<patch::Labels::Copy> landmarksIn(const std::vector<std::int32_t>& shown, SizePx target,
+                                             SizePx sample, const Landmarks& landmarks) {
   std::vector<std::int32_t> in_sample(texelsOf(sample), -1);
   const SizePx size = landmarks.size;
   for (int y = 0; y < size.height; ++y)
@@ -194,14 +192,39 @@ std::vector<std::int32_t> landmarksIn(const std::vector<std::int32_t>& shown, Si
       if (const std::int32_t label = landmarks.at(x, y, size); label >= 0)
         in_sample[static_cast<std::size_t>(y * sample.height / size.height * sample.width +
                                            x * sample.width / size.width)] = label;
-  for (std::size_t i = 0; i < of.size(); ++i) of[i] = in_sample[static_cast<std::size_t>(shown[i])];
-  std::vector<std::int32_t> out = of;
+  std::vector<patch::Labels::Copy> of(shown.size());
   for (int y = 0; y < target.height; ++y)
     for (int x = 0; x < target.width; ++x) {
-      std::int32_t& label = out[static_cast<std::size_t>(y * target.width + x)];
-      for (int v = std::max(0, y - 1); v <= std::min(target.height - 1, y + 1) && label < 0; ++v)
+      const auto at = static_cast<std::size_t>(y * target.width + x);
+      of[at] = {in_sample[static_cast<std::size_t>(shown[at])], x - shown[at] % sample.width,
+                y - shown[at] / sample.width};
+    }
+  std::vector<patch::Labels::Copy> out = of;
+  for (int y = 0; y < target.height; ++y)
+    for (int x = 0; x < target.width; ++x) {
+      patch::Labels::Copy& copy = out[static_cast<std::size_t>(y * target.width + x)];
+      for (int v = std::max(0, y - 1); v <= std::min(target.height - 1, y + 1); ++v)
         for (int u = std::max(0, x - 1); u <= std::min(target.width - 1, x + 1); ++u)
-          label = std::max(label, of[static_cast<std::size_t>(v * target.width + u)]);
+          if (copy.label < 0) copy = of[static_cast<std::size_t>(v * target.width + u)];
+    }
+  return out;
+}
+
+patch::Labels labelsOf(const Landmarks& landmarks, const std::vector<patch::Labels::Copy>& copies,
+                       SizePx laid, int times, SizePx source, SizePx target, bool wraps) {
+  patch::Labels out{.source = source,
+                    .target = target,
+                    .wraps = wraps,
+                    .slack = std::min(source.width, source.height) / kSlackOfSide};
+  for (int y = 0; y < source.height; ++y)
+    for (int x = 0; x < source.width; ++x) out.of_source.push_back(landmarks.at(x, y, source));
+  for (int y = 0; y < target.height; ++y)
+    for (int x = 0; x < target.width; ++x) {
+      patch::Labels::Copy copy = copies[static_cast<std::size_t>(
+          std::min(y / times, laid.height - 1) * laid.width + std::min(x / times, laid.width - 1))];
+      copy.x *= times;
+      copy.y *= times;
+      out.of_target.push_back(copy);
     }
   return out;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "processing/image/image.h"
+#include "processing/patch/labels.h"
 
 namespace patina::texture_optimization {
 
@@ -26,9 +27,14 @@ struct Landmarks {
 // compared. The same for any number of threads. Time: 10 ms for 64x64 texels.
 Landmarks landmarksOf(ImageView<const std::int16_t> source);
 
-// Which landmark each texel of a target may show: those of `shown` [h][w] (y * sample width + x,
-// as laid out), and a texel around. -1: none.
-std::vector<std::int32_t> landmarksIn(const std::vector<std::int32_t>& shown, SizePx target,
-                                      SizePx sample, const Landmarks& landmarks);
+// Which landmark each texel of a target may show, in which copy: those of `shown` [h][w] (y *
+// sample width + x, as laid out), and a texel around.
+std::vector<patch::Labels::Copy> landmarksIn(const std::vector<std::int32_t>& shown, SizePx target,
+                                             SizePx sample, const Landmarks& landmarks);
+
+// The same `times` as fine, for `source` and `target` of that level: copies begin where they were
+// laid, but for a 24th of the source's smaller side.
+patch::Labels labelsOf(const Landmarks& landmarks, const std::vector<patch::Labels::Copy>& copies,
+                       SizePx laid, int times, SizePx source, SizePx target, bool wraps);
 
 }  // namespace patina::texture_optimization

@@ -83,7 +83,7 @@ struct Level {
   std::vector<patch::CompactPart> parts;
   std::vector<std::uint8_t> usable;
   std::vector<std::int32_t> kept;
-  std::vector<std::int32_t> source_labels = {}, target_labels = {};
+  patch::Labels labels = {};
 };
 Level levelOf(int level, const patch::CompactFeatures& compact, SizePx size,
               const Constraints& constraints) {
@@ -99,20 +99,6 @@ Level levelOf(int level, const patch::CompactFeatures& compact, SizePx size,
   return out;
 }
 
-// Landmarks stay where the layout shows them: even use does not bring them back elsewhere.
-void label(Level& level, const Landmarks& landmarks, const std::vector<std::int32_t>& of,
-           SizePx labelled) {
-  const SizePx source = level.source_size, target = level.target_size;
-  for (int y = 0; y < source.height; ++y)
-    for (int x = 0; x < source.width; ++x)
-      level.source_labels.push_back(landmarks.at(x, y, source));
-  for (int y = 0; y < target.height; ++y)
-    for (int x = 0; x < target.width; ++x)
-      level.target_labels.push_back(
-          of[static_cast<std::size_t>(y * labelled.height / target.height * labelled.width +
-                                      x * labelled.width / target.width)]);
-}
-
 std::unique_ptr<patch::NearestField> fieldOf(const Level& level, double scale,
                                              const patch::FieldOptions& options,
                                              const patch::NearestField* coarse) {
@@ -120,15 +106,14 @@ std::unique_ptr<patch::NearestField> fieldOf(const Level& level, double scale,
   for (std::size_t i = 1; i < level.parts.size(); ++i)
     further.push_back({level.parts[i].texels.view(), level.parts[i].guide.view()});
   const patch::CompactPart& leading = level.parts[0];
-  return std::make_unique<patch::NearestField>(
-      leading.texels.view(), scale, level.target_size, options,
-      patch::FieldLimits{.usable = level.usable,
-                         .kept = level.kept,
-                         .guide = leading.guide.view(),
-                         .further = further,
-                         .source_labels = level.source_labels,
-                         .target_labels = level.target_labels,
-                         .coarse = coarse});
+  return std::make_unique<patch::NearestField>(leading.texels.view(), scale, level.target_size,
+                                               options,
+                                               patch::FieldLimits{.usable = level.usable,
+                                                                  .kept = level.kept,
+                                                                  .guide = leading.guide.view(),
+                                                                  .further = further,
+                                                                  .labels = &level.labels,
+                                                                  .coarse = coarse});
 }
 
 // What is shown before the first search, and the level it stands on.
@@ -137,11 +122,11 @@ struct Shown {
   std::vector<std::int32_t> centres;
 };
 struct Beginning {
-  int level;  // that is searched first
+  int laid, level;  // that it stands on, and that is searched first
   bool joined;
   Shown shown;
   Landmarks landmarks = {};
-  std::vector<std::int32_t> labels = {};  // which of them each of the texels shown may show
+  std::vector<patch::Labels::Copy> copies = {};  // which of them each of the texels shown may show
 };
 
 Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptions& options,
@@ -166,17 +151,19 @@ Beginning beginningOf(const patch::CompactFeatures& compact, const OptimizeOptio
                                                  .landmarks = &landmarks},
                                                 options.field.seed, progress);
     if (!centres.empty()) {
-      std::vector<std::int32_t> labels =
+      std::vector<patch::Labels::Copy> copies =
           landmarksIn(centres, there.target_size, there.source_size, landmarks);
-      return {.level = std::max(level - 1, 0),
+      return {.laid = level,
+              .level = std::max(level - 1, 0),
               .joined = true,
               .shown = {there.source_size, there.target_size, std::move(centres)},
               .landmarks = std::move(landmarks),
-              .labels = std::move(labels)};
+              .copies = std::move(copies)};
     }
   }
   const SizePx source = halved(whole, coarsest), target = halved(options.size, coarsest);
-  return {.level = coarsest,
+  return {.laid = coarsest,
+          .level = coarsest,
           .joined = false,
           .shown = {source, target, scattered(source, target, options.field)}};
 }
@@ -227,10 +214,13 @@ OptimizedField optimize(ImageView<const float> features, const OptimizeOptions& 
 
   std::unique_ptr<patch::NearestField> coarse;
   Shown& shown = beginning.shown;
-  const SizePx labelled = shown.target_size;
+  const SizePx laid = shown.target_size;
   for (int level = beginning.level; level >= 0; --level) {
     Level here = levelOf(level, compact, options.size, constraints);
-    if (out.landmarks.count > 0) label(here, out.landmarks, beginning.labels, labelled);
+    // Landmarks stay where the layout shows them: even use does not bring them back elsewhere.
+    if (out.landmarks.count > 0)
+      here.labels = labelsOf(out.landmarks, beginning.copies, laid, 1 << (beginning.laid - level),
+                             here.source_size, here.target_size, options.field.wraps);
     patch::FieldOptions field_options = options.field;
     if (level > 0) field_options.uniformity *= kCoarseUniformity;
     field_options.seed = hashSeed(options.field.seed, static_cast<std::uint64_t>(level));

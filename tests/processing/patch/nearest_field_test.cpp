@@ -195,20 +195,25 @@ TEST(NearestField, LeavesKeptPatchesWhereTheyAre) {
   for (std::size_t i = 0; i < kept.size(); ++i) ASSERT_TRUE(kept[i] <= 0 || end[i] == kept[i]);
 }
 
-TEST(NearestField, ShowsLabelledPatchesOnlyWhereTheTargetHasTheirLabel) {
-  std::vector<std::int32_t> source(kSource * kSource, -1), target(kTarget * kTarget, -1);
+TEST(NearestField, ShowsLabelledPatchesOnlyWhereTheTargetHasThem) {
+  Labels labels{.source = {kSource, kSource}, .target = {kTarget, kTarget}, .slack = 4};
+  labels.of_source.assign(kSource * kSource, -1);
+  labels.of_target.resize(kTarget * kTarget);
   for (int y = 15; y < 22; ++y)
-    for (int x = 15; x < 22; ++x) source[indexOf(x, y, kSource)] = 1;
+    for (int x = 15; x < 22; ++x) labels.of_source[indexOf(x, y, kSource)] = 1;
   for (int y = 30; y < 60; ++y)
-    for (int x = 30; x < 60; ++x) target[indexOf(x, y, kTarget)] = 1;
-  const Outcome out =
-      optimised({.similar = {}}, 3, {.source_labels = source, .target_labels = target});
+    for (int x = 30; x < 60; ++x) labels.of_target[indexOf(x, y, kTarget)] = {1, 25, 28};
+  const Outcome out = optimised({.similar = {}}, 3, {.labels = &labels});
   int shown = 0;
-  for (std::size_t i = 0; i < out.centres.size(); ++i) {
-    const bool labelled = source[static_cast<std::size_t>(out.centres[i])] == 1;
-    EXPECT_TRUE(!labelled || target[i] == 1) << i;
-    shown += labelled ? 1 : 0;
-  }
+  for (int y = 0; y < kTarget; ++y)
+    for (int x = 0; x < kTarget; ++x) {
+      const std::int32_t centre = out.centres[indexOf(x, y, kTarget)];
+      if (labels.of_source[static_cast<std::size_t>(centre)] < 0) continue;
+      ++shown;
+      EXPECT_EQ(labels.of_target[indexOf(x, y, kTarget)].label, 1);
+      EXPECT_LE(std::abs(x - centre % kSource - 25), 4);
+      EXPECT_LE(std::abs(y - centre / kSource - 28), 4);
+    }
   EXPECT_GT(shown, 0);
 }
 

@@ -66,11 +66,18 @@ TEST(Landmarks, MayBeShownWhereTheyAreAndATexelAround) {
   landmarks.of[5 * 8 + 5] = 0;  // of 4x4 texels, the one at 2,2
   std::vector<std::int32_t> shown(36, 0);
   shown[2 * 6 + 3] = 2 * 4 + 2;
-  const std::vector<std::int32_t> in = landmarksIn(shown, {6, 6}, {4, 4}, landmarks);
+  const std::vector<patch::Labels::Copy> in = landmarksIn(shown, {6, 6}, {4, 4}, landmarks);
   for (int y = 0; y < 6; ++y)
     for (int x = 0; x < 6; ++x)
-      EXPECT_EQ(in[static_cast<std::size_t>(y * 6 + x)],
+      EXPECT_EQ(in[static_cast<std::size_t>(y * 6 + x)].label,
                 std::abs(x - 3) <= 1 && std::abs(y - 2) <= 1 ? 0 : -1);
+  // Twelve times as fine: a 24th of 48 texels beside its place.
+  const patch::Labels fine = labelsOf(landmarks, in, {6, 6}, 12, {48, 48}, {72, 72}, false);
+  for (int y = 0; y < 72; ++y)
+    for (int x = 0; x < 72; ++x)
+      EXPECT_EQ(fine.refuse(32 * 48 + 32, static_cast<std::size_t>(y * 72 + x)),
+                std::abs(x - 44) > 2 || std::abs(y - 32) > 2)
+          << x << "," << y;
 }
 
 // The whole way from the layout to the finest level.
