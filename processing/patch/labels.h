@@ -26,7 +26,11 @@ struct Labels {
   std::vector<Copy> of_target = {};  // [h][w]; both are empty, or none
 
   // Of the patch centred at `centre`, at `at` of the target; both y * width + x.
-  bool refuse(std::int32_t centre, std::size_t at) const;
+  bool refuse(std::int32_t centre, std::size_t at) const {
+    return !of_source.empty() && of_source[static_cast<std::size_t>(centre)] >= 0 &&
+           !hasCopy(centre, at);
+  }
+  bool hasCopy(std::int32_t centre, std::size_t at) const;
 };
 
 }  // namespace patina::patch

@@ -31,6 +31,7 @@ class NearestElsewhere {
         width_(static_cast<std::size_t>(source.width)),
         columns_(width_),
         rows_(width_ * static_cast<std::size_t>(2 * reach + 1)),
+        sums_(width_),
         least_(width_ * static_cast<std::size_t>(source.height), kUnknown) {}
 
   void compare(int dx, int dy) {
@@ -79,20 +80,22 @@ class NearestElsewhere {
   void settle(int y, int dx, int dy, int first, int last) {
     float* here = &least_[width_ * static_cast<std::size_t>(y)];
     float* there = &least_[width_ * static_cast<std::size_t>(y + dy)] + dx;
-    for (int x = first + reach_; x + reach_ < last; ++x) {
-      float sum = 0;
-      for (int i = -reach_; i <= reach_; ++i)
-        sum += static_cast<float>(columns_[static_cast<std::size_t>(x + i)]);
-      here[x] = std::min(here[x], sum);
-      there[x] = std::min(there[x], sum);
-    }
+    const int from = first + reach_, to = last - reach_;
+    std::fill(sums_.begin(), sums_.end(), 0.0f);
+    for (int i = -reach_; i <= reach_; ++i)
+      for (int x = from; x < to; ++x)
+        sums_[static_cast<std::size_t>(x)] +=
+            static_cast<float>(columns_[static_cast<std::size_t>(x + i)]);
+    for (int x = from; x < to; ++x) here[x] = std::min(here[x], sums_[static_cast<std::size_t>(x)]);
+    for (int x = from; x < to; ++x)
+      there[x] = std::min(there[x], sums_[static_cast<std::size_t>(x)]);
   }
 
   ImageView<const std::int16_t> source_;
   int reach_;
   std::size_t width_;
   std::vector<std::int32_t> columns_, rows_;  // differences, summed over a patch's rows; its rows'
-  std::vector<float> least_;
+  std::vector<float> sums_, least_;           // of a row's patches; of all
 };
 
 std::size_t texelsOf(SizePx size) {

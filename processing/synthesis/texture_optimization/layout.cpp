@@ -28,8 +28,7 @@ constexpr double kLongCopy = 0.8;
 // Of two copies of a landmark, kLandmark sqrt(1 - apart / kLandmarksApart): next to nothing else
 // counts until they are so far apart, and nothing from there on, or they would be left out and with
 // them some of the variance. Of copies that are cut, the root of the product of what shows.
-constexpr double kLandmark = 8, kLandmarksApart = 1.05;
-constexpr float kLeastShare = 0.02f;
+constexpr float kLandmark = 8, kLandmarksApart = 1.05f, kLeastShare = 0.02f;
 // Mismatch weighs so much where a landmark is cut.
 constexpr float kCut = 4;
 constexpr double kHeat = 0.3;
@@ -321,7 +320,8 @@ class Layout {
   // The same of landmarks, whichever part of them shows; not where both blocks go on in one copy.
   void addLandmarks(std::int32_t place, int right, int below) {
     const int tx = right * block_, ty = below * block_;
-    const double reach = kLandmarksApart * std::min(source_.width, source_.height);
+    const float reach =
+        kLandmarksApart * static_cast<float>(std::min(source_.width, source_.height));
     for (const std::vector<Part>& parts : landmarks_) {
       const auto there =
           std::lower_bound(parts.begin(), parts.end(), place,
@@ -329,10 +329,11 @@ class Layout {
       if (there == parts.end() || there->place != place) continue;
       for (const Part& here : parts) {
         if (here.place + ty * source_.width + tx == place) continue;
-        const double near = 1 - std::hypot(tx + there->x - here.x, ty + there->y - here.y) / reach;
-        if (near > 0)
+        const float x = static_cast<float>(tx) + there->x - here.x,
+                    y = static_cast<float>(ty) + there->y - here.y, squared = x * x + y * y;
+        if (squared < reach * reach)
           repeats_[static_cast<std::size_t>(here.place)] +=
-              static_cast<float>(kLandmark * std::sqrt(near * there->share * here.share));
+              kLandmark * std::sqrt((1 - std::sqrt(squared) / reach) * there->share * here.share);
       }
     }
   }
