@@ -22,6 +22,15 @@ constexpr float kSalient = 2.5;
 constexpr float kUnknown = std::numeric_limits<float>::max();
 constexpr std::size_t kSlices = 8;  // of the shifts, for threads
 
+std::size_t texelsOf(SizePx size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
+
+std::size_t indexOf(SizePx size, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+         static_cast<std::size_t>(x);
+}
+
 // Distances of patches to what lies `shift` away, the least of each so far.
 class NearestElsewhere {
  public:
@@ -82,10 +91,11 @@ class NearestElsewhere {
     float* there = &least_[width_ * static_cast<std::size_t>(y + dy)] + dx;
     const int from = first + reach_, to = last - reach_;
     std::fill(sums_.begin(), sums_.end(), 0.0f);
-    for (int i = -reach_; i <= reach_; ++i)
+    for (int i = -reach_; i <= reach_; ++i) {
+      const std::int32_t* from_column = columns_.data() + i;
       for (int x = from; x < to; ++x)
-        sums_[static_cast<std::size_t>(x)] +=
-            static_cast<float>(columns_[static_cast<std::size_t>(x + i)]);
+        sums_[static_cast<std::size_t>(x)] += static_cast<float>(from_column[x]);
+    }
     for (int x = from; x < to; ++x) here[x] = std::min(here[x], sums_[static_cast<std::size_t>(x)]);
     for (int x = from; x < to; ++x)
       there[x] = std::min(there[x], sums_[static_cast<std::size_t>(x)]);
@@ -97,10 +107,6 @@ class NearestElsewhere {
   std::vector<std::int32_t> columns_, rows_;  // differences, summed over a patch's rows; its rows'
   std::vector<float> sums_, least_;           // of a row's patches; of all
 };
-
-std::size_t texelsOf(SizePx size) {
-  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-}
 
 // Of each patch to the nearest elsewhere; of the texels at the edge, where none is centred, what
 // the patch beside them has.
@@ -122,9 +128,8 @@ std::vector<float> nearestElsewhere(ImageView<const std::int16_t> source, int re
   out.reserve(least.size());
   for (int y = 0; y < source.height; ++y)
     for (int x = 0; x < source.width; ++x)
-      out.push_back(least[static_cast<std::size_t>(
-          std::clamp(y, reach, source.height - 1 - reach) * source.width +
-          std::clamp(x, reach, source.width - 1 - reach))]);
+      out.push_back(least[indexOf(source.size(), std::clamp(x, reach, source.width - 1 - reach),
+                                  std::clamp(y, reach, source.height - 1 - reach))]);
   return out;
 }
 
@@ -193,22 +198,22 @@ std::vector<patch::Labels::Copy> landmarksIn(const std::vector<std::int32_t>& sh
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
       if (const std::int32_t label = landmarks.at(x, y, size); label >= 0)
-        in_sample[static_cast<std::size_t>(y * sample.height / size.height * sample.width +
-                                           x * sample.width / size.width)] = label;
+        in_sample[indexOf(sample, x * sample.width / size.width, y * sample.height / size.height)] =
+            label;
   std::vector<patch::Labels::Copy> of(shown.size());
   for (int y = 0; y < target.height; ++y)
     for (int x = 0; x < target.width; ++x) {
-      const auto at = static_cast<std::size_t>(y * target.width + x);
+      const std::size_t at = indexOf(target, x, y);
       of[at] = {in_sample[static_cast<std::size_t>(shown[at])], x - shown[at] % sample.width,
                 y - shown[at] / sample.width};
     }
   std::vector<patch::Labels::Copy> out = of;
   for (int y = 0; y < target.height; ++y)
     for (int x = 0; x < target.width; ++x) {
-      patch::Labels::Copy& copy = out[static_cast<std::size_t>(y * target.width + x)];
+      patch::Labels::Copy& copy = out[indexOf(target, x, y)];
       for (int v = std::max(0, y - 1); v <= std::min(target.height - 1, y + 1); ++v)
         for (int u = std::max(0, x - 1); u <= std::min(target.width - 1, x + 1); ++u)
-          if (copy.label < 0) copy = of[static_cast<std::size_t>(v * target.width + u)];
+          if (copy.label < 0) copy = of[indexOf(target, u, v)];
     }
   return out;
 }
