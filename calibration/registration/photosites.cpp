@@ -6,7 +6,7 @@
 namespace patina::calibration {
 namespace {
 
-constexpr int kEvery = 8;           // rows looked at, two by two
+constexpr int kEvery = 16;          // rows looked at, two by two
 constexpr double kStandsOut = 1.5;  // in mean square
 // Green between four of its own is their mean and is not bent at all; of a flat-corrected picture,
 // next to nothing. Other interpolations are told by that.
