@@ -147,7 +147,10 @@ class Kriging {
 
  private:
   static double xOf(int tap) { return tap % kAcross - kReach_px + 1; }
-  static double yOf(int tap) { return tap / kAcross - kReach_px + 1; }
+  static double yOf(int tap) {
+    const int row = tap / kAcross;
+    return row - kReach_px + 1;
+  }
   static double fallOff(double x, double y) {
     constexpr double kRound_px = 0.5;  // no cusp: a photosite has an area
     return std::exp((kRound_px - std::sqrt(x * x + y * y + kRound_px * kRound_px)) / kLength_px);
@@ -194,14 +197,16 @@ void addCosts(const Way& way, double sx, double sy, std::size_t probe, int colum
   for (int y = y_first; y < y_end; ++y)
     for (int x = x_first; x < x_end; ++x) {
       if (!way.to.stands_out.at<std::uint8_t>(y, x)) continue;
-      const Kernel& kernel = kernels[static_cast<std::size_t>((y & 1) * 2 + (x & 1))];
+      const Kernel& kernel = kernels[placeInCell(x, y)];
       const auto* weight = kernel.weights.ptr<double>();
       double residual = to.at<float>(y, x);
       for (int j = 0; j < kAcross; ++j) {
         const auto* row = from.ptr<float>(y + dy + j - kReach_px + 1) + x + dx - kReach_px + 1;
         for (int i = 0; i < kAcross; ++i) residual -= *weight++ * row[i];
       }
-      const auto block = static_cast<std::size_t>(y / kBlockPx * columns + x / kBlockPx);
+      const auto block =
+          static_cast<std::size_t>(y / kBlockPx) * static_cast<std::size_t>(columns) +
+          static_cast<std::size_t>(x / kBlockPx);
       blocks[block][probe] +=
           0.5 * (residual * residual / kernel.variance + std::log(kernel.variance));
     }

@@ -20,7 +20,7 @@ std::array<double, 4> roughnessOf(ImageView<const float> in, int c) {
     for (int x = 1; x + 1 < in.width; ++x) {
       const float bent = 4 * in.at(x, y, c) - in.at(x - 1, y, c) - in.at(x + 1, y, c) -
                          in.at(x, y - 1, c) - in.at(x, y + 1, c);
-      const auto at = static_cast<std::size_t>((y & 1) * 2 + (x & 1));
+      const std::size_t at = placeInCell(x, y);
       sum[at] += static_cast<double>(bent) * bent;
       ++count[at];
     }

@@ -3,18 +3,24 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "processing/image/image.h"
 
 namespace patina::calibration {
 
+// Of the 2x2 cell, row by row.
+inline std::size_t placeInCell(int x, int y) {
+  return static_cast<std::size_t>(y & 1) * 2 + static_cast<std::size_t>(x & 1);
+}
+
 struct Photosites {
   Image<float> samples;               // [h][w], each of its own colour; empty: no mosaic shows
   std::array<std::uint8_t, 4> cfa{};  // of the 2x2 cell, row by row; 0 R, 1 G, 2 B
 
   bool empty() const { return samples.empty(); }
-  int colourAt(int x, int y) const { return cfa[static_cast<std::size_t>((y & 1) * 2 + (x & 1))]; }
+  int colourAt(int x, int y) const { return cfa[placeInCell(x, y)]; }
 };
 
 // A colour's own pixels vary more from neighbour to neighbour than what was interpolated between
