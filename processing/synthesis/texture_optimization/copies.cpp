@@ -109,8 +109,9 @@ LandmarkShown shownFrom(std::size_t first, const OptimizedField& field,
     const std::int32_t centre = field.centres[at];
     out.middle.x += x;
     out.middle.y += y;
-    out.sample.x += x - centre % field.source.width;
-    out.sample.y += y - centre / field.source.width;
+    const int source_x = centre % field.source.width, source_y = centre / field.source.width;
+    out.sample.x += x - source_x;
+    out.sample.y += y - source_y;
     ++out.middle.patches;
     pending.push_back({x, y});
   };

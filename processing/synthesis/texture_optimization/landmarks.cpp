@@ -228,8 +228,8 @@ patch::Labels labelsOf(const Landmarks& landmarks, const std::vector<patch::Labe
     for (int x = 0; x < source.width; ++x) out.of_source.push_back(landmarks.at(x, y, source));
   for (int y = 0; y < target.height; ++y)
     for (int x = 0; x < target.width; ++x) {
-      patch::Labels::Copy copy = copies[static_cast<std::size_t>(
-          std::min(y / times, laid.height - 1) * laid.width + std::min(x / times, laid.width - 1))];
+      patch::Labels::Copy copy = copies[indexOf(laid, std::min(x / times, laid.width - 1),
+                                                std::min(y / times, laid.height - 1))];
       copy.x *= times;
       copy.y *= times;
       out.of_target.push_back(copy);

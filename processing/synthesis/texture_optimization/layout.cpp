@@ -133,8 +133,8 @@ class Layout {
       for (int x = 0; x < size.width; ++x) {
         const std::int32_t of = landmarks.at(x, y, size);
         if (of < 0) continue;
-        const auto at = static_cast<std::size_t>(y * source_.height / size.height * source_.width +
-                                                 x * source_.width / size.width);
+        const std::size_t at =
+            sourceIndex(0, x * source_.width / size.width, y * source_.height / size.height);
         ++share[static_cast<std::size_t>(of)][at];
         ++whole[static_cast<std::size_t>(of)];
         weights_[at] = kCut;
@@ -147,11 +147,16 @@ class Layout {
     }
   }
 
+  // (x, y) from `place`.
+  std::size_t sourceIndex(std::int32_t place, int x, int y) const {
+    return static_cast<std::size_t>(place + std::ptrdiff_t{y} * source_.width + x);
+  }
+
   Part partOf(const std::vector<float>& share, std::int32_t place) const {
     Part out{place, 0, 0, 0};
     for (int j = 0; j < block_; ++j)
       for (int i = 0; i < block_; ++i) {
-        const float v = share[static_cast<std::size_t>(place + j * source_.width + i)];
+        const float v = share[sourceIndex(place, i, j)];
         out.share += v;
         out.x += v * static_cast<float>(i);
         out.y += v * static_cast<float>(j);
@@ -248,8 +253,7 @@ class Layout {
       if (!inside && (x + rim.x < 0 || y + rim.y < 0 || x + rim.x >= source_.width ||
                       y + rim.y >= source_.height))
         continue;
-      const float weight = std::max(
-          rim.weight, weights_[static_cast<std::size_t>(place + rim.y * source_.width + rim.x)]);
+      const float weight = std::max(rim.weight, weights_[sourceIndex(place, rim.x, rim.y)]);
       sum += weight * squaredDifference(corner + rim.offset, rim.shown);
       if (++count % 16 == 0 && sum >= enough) return most;
     }
