@@ -10,7 +10,9 @@ namespace {
 
 constexpr int kSource = 8, kTarget = 20;
 
-std::size_t indexOf(int x, int y) { return static_cast<std::size_t>(y * kTarget + x); }
+std::size_t indexOf(int x, int y) {
+  return static_cast<std::size_t>(y) * kTarget + static_cast<std::size_t>(x);
+}
 
 // A source whose right half has label 3; a copy of it that begins at 10,-2 may be shown anywhere.
 Labels rightHalf() {
