@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/system/reflectance_dome.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "devices/twin/specimen.h"
+
+namespace patina::testing {
+namespace {
+
+namespace twin = devices::twin;
+
+constexpr double kReachDeg = 72, kGolden = 2.399963229728653;
+constexpr int kRun = 18000;  // s, whatever the steps: a sweep takes the same part of it
+
+}  // namespace
+
+std::string idOf(int lamp) { return (lamp < 10 ? "l0" : "l") + std::to_string(lamp); }
+
+int intervalOf(const Loop& loop) { return kRun / loop.steps; }
+
+int lampsOf(const Loop& loop) { return loop.lights + loop.left_out; }
+
+bool isLeftOut(const Loop& loop, int lamp) {
+  if (loop.left_out == 0) return false;
+  const int period = lampsOf(loop) / loop.left_out;
+  return lamp % period == period / 2 && lamp / period < loop.left_out;
+}
+
+double viewMm(const Loop& loop) {
+  return twin::makeSpecimen(loop.specimen, 1)->info().width_mm / loop.closer;
+}
+
+std::string rigText(const Loop& loop, bool card, bool all) {
+  const std::string side = std::to_string(loop.side_px);
+  std::string text =
+      "name = \"dome\"\n[[camera]]\nid = \"cam0\"\nbackend = \"twin\"\n"
+      "settings = { format = \"dng\", view_mm = " +
+      std::to_string(viewMm(loop)) + " }\n";
+  for (int i = 0; i < lampsOf(loop); ++i) {
+    if (!all && isLeftOut(loop, i)) continue;
+    const double z = 1 - (1 - std::cos(kReachDeg * M_PI / 180)) * (i + 0.5) / lampsOf(loop);
+    const double s = std::sqrt(1 - z * z);
+    text += "[[light]]\nid = \"" + idOf(i) + "\"\nbackend = \"twin\"\nposition_mm = [" +
+            std::to_string(kDistanceMm * s * std::cos(i * kGolden)) + ", " +
+            std::to_string(kDistanceMm * s * std::sin(i * kGolden)) + ", " +
+            std::to_string(kDistanceMm * z) + "]\nsettings = { kind = \"led\", radius_mm = 4.0 }\n";
+  }
+  text += "[twin]\nspecimen = \"" + loop.specimen + "\"\nsize = \"" + side + "x" + side +
+          "\"\nshadows = " + (loop.shadows && !all ? "true" : "false") + "\n";
+  if (card)
+    text +=
+        "[[twin.target]]\nkind = \"grey_card\"\nreflectance = " + std::to_string(kCardReflectance) +
+        "\nwidth_mm = " + std::to_string(1.5 * viewMm(loop)) + "\nposition_mm = [0.0, 0.0, 0.0]\n";
+  return text;
+}
+
+std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
+                     int steps, const std::string& rest) {
+  std::string lights;
+  for (int i = 0; i < lampsOf(loop); ++i)
+    if (!isLeftOut(loop, i)) lights += (lights.empty() ? "[\"" : ", [\"") + idOf(i) + "\"]";
+  return "rig = \"" + rig + "\"\nspecimen = \"" + specimen + "\"\nseed = 1\ninterval = \"" +
+         std::to_string(intervalOf(loop)) + "s\"\nduration = \"" +
+         std::to_string(steps * intervalOf(loop)) + "s\"\n[[sweep]]\nlights = [" + lights +
+         "]\nexposures = [\"1/50\"]\n" + rest;
+}
+
+std::string plainName(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+devices::RigSpec wholeRig(const Loop& loop, bool shadows) {
+  devices::RigSpec rig = devices::parseRig(rigText(loop, false, true), "rig.toml");
+  rig.twin->shadows = shadows;
+  return rig;
+}
+
+}  // namespace patina::testing
