@@ -60,20 +60,29 @@ void leaveOutWhatDisagrees(const PreparedPicture& frame, const PreparedPicture& 
   out.frame_from_reference = again.frame_from_reference;
 }
 
+// Goes to a shift found in another way if it promises an error below `most_px` and is no farther
+// away than errors of `before_px` are.
+template <class Shift>
+bool goesTo(const Shift& found, double most_px, double before_px, const PreparedPicture& frame,
+            const PreparedPicture& reference, Alignment& out) {
+  const double apart_px =
+      cornersApart(found.frame_from_reference, out.frame_from_reference, reference.size());
+  if (!(found.uncertainty_px < most_px) || apart_px > kSigmas * before_px) return false;
+  out.frame_from_reference = found.frame_from_reference;
+  out.agreement = agreementOf(reference, frame, found.frame_from_reference);
+  return true;
+}
+
 // Of a surface that is nearly blank the finest level shows little but noise: matched once more by
 // the frequencies that carry something.
 void askTheSpectrum(const PreparedPicture& frame, const PreparedPicture& reference,
                     double before_px, Alignment& out) {
   const SpectralShift found =
       refineBySpectrum(reference, frame, out.frame_from_reference, out.agreement);
-  const double apart_px =
-      cornersApart(found.frame_from_reference, out.frame_from_reference, reference.size());
-  if (!(found.uncertainty_px < kPromise * before_px) || apart_px > kSigmas * before_px) return;
-  out.frame_from_reference = found.frame_from_reference;
-  out.agreement = agreementOf(reference, frame, found.frame_from_reference);
   // The spectrum's bound leaves out what the mosaic makes of specks, the blocks' error counts noise
   // that the spectrum passes over: in between.
-  out.agreement.uncertainty_px = kBetween * std::sqrt(found.uncertainty_px * before_px);
+  if (goesTo(found, kPromise * before_px, before_px, frame, reference, out))
+    out.agreement.uncertainty_px = kBetween * std::sqrt(found.uncertainty_px * before_px);
 }
 
 // Where a few specks are all there is to see of a surface, what the mosaic makes of them is most of
@@ -82,13 +91,8 @@ void askThePhotosites(const PreparedPicture& frame, const PreparedPicture& refer
                       double before_px, Alignment& out) {
   const MosaicShift found =
       refineByPhotosites(reference, frame, out.frame_from_reference, out.agreement);
-  const double apart_px =
-      cornersApart(found.frame_from_reference, out.frame_from_reference, reference.size());
-  if (!(found.uncertainty_px < kSpecksPromise * before_px) || apart_px > kSigmas * before_px)
-    return;
-  out.frame_from_reference = found.frame_from_reference;
-  out.agreement = agreementOf(reference, frame, found.frame_from_reference);
-  out.agreement.uncertainty_px = found.uncertainty_px;
+  if (goesTo(found, kSpecksPromise * before_px, before_px, frame, reference, out))
+    out.agreement.uncertainty_px = found.uncertainty_px;
 }
 
 Alignment alignFrom(const PreparedPicture& frame, const PreparedPicture& reference,
