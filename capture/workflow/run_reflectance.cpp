@@ -13,6 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// 12 bits; electrons of a middling camera, read noise of a poor one.
+constexpr calibration::NoiseModel kUnknownCamera{.electrons_per_number = 15000.0 / 4095,
+                                                 .read_noise_e = 5,
+                                                 .full_well_e = 15000,
+                                                 .white_level = 4095};
+
 fs::path folderOf(const fs::path& archive, const RunReflectanceRequest& request,
                   const std::string& id) {
   return request.out.empty() ? db::ProductWriter::folderFor(archive, id)
@@ -125,7 +131,7 @@ class RunFit {
     options.saturated = saturatedLevel();
     options.deep_shadows = true;
     options.neighbour_px = std::min(request_.fit.neighbour_px * request_.bin, 256);
-    if (const auto noise = chain.noise()) options.noise = noiseOfPixels((*noise)[1], fit_.states);
+    options.noise = noiseOfPixels(noiseOf(chain), fit_.states);
     if (const auto filters = chain.filters())
       options.filters = filtersAt(*filters, fit_.region.x, fit_.region.y);
     if (request_.earlier_steps && options.model != brdf::Model::kLambert)
@@ -165,6 +171,14 @@ class RunFit {
           std::to_string(request_.white_level) +
           " of full scale; run `patina calibrate field` on pictures of a card, or `patina "
           "calibrate albedo`");
+  }
+
+  calibration::NoiseModel noiseOf(const FrameChain& chain) {
+    if (const auto noise = chain.noise()) return (*noise)[1];
+    outcome_.warnings.push_back(
+        "no photon transfer of this camera: it is taken to hold 15,000 electrons; run `patina "
+        "calibrate noise`");
+    return kUnknownCamera;
   }
 
   // Of registered frames: no level that may be clipped counts, wherever in the picture it is.

@@ -79,14 +79,16 @@ void evaluateCost(Model model, Samples& samples, Estimate& at, const Prior& prio
 void photometricStart(Samples& samples, Estimate& at);
 // The roughness of least cost out of a few, from the normal at hand.
 void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& prior);
-// Least costs over kd and ks for roughnesses of a grid, the normal and weights as they are.
+// Least costs over kd, ks and the normal (by one step of Gauss and Newton from
+// the one at hand) for roughnesses of a grid, held to no prior, with the weights as they are; and
+// their slopes by ln r.
 constexpr int kCurve = 28;
-float curveLogR(int j);  // ln r of entry j, rising evenly
+// ln r of entry j, rising. Wide lobes change sooner: entries are even in ln r + 6 r.
+float curveLogR(int j);
 struct CostCurve {
-  Lane cost[kCurve], ks[kCurve];
+  Lane cost[kCurve], slope[kCurve], ks[kCurve];
 };
-void costCurve(Model model, Samples& samples, const Estimate& at, const Prior& prior,
-               CostCurve& curve);
+void costCurve(Model model, Samples& samples, const Estimate& at, CostCurve& curve);
 // Rounds of weights and steps. `equations` are those of the end.
 void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
             Equations& equations);

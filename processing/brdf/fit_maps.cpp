@@ -13,20 +13,24 @@ using lanes::kCurve;
 using Curve = std::array<float, kCurve>;
 // What alike texels cost together, and what materials are.
 struct Pool {
-  Curve cost{}, specular{};
+  Curve cost{}, slope{}, specular{};
   float texels = 0;  // weights' sum
 };
 
 constexpr int kRingsOfNeighbours = 6;
 // 2 ln of how much less likely what is no dielectric has a given reflectance than a dielectric has
-// 0.04: one material in five, spread 25 times as wide.
-constexpr float kAnyPrice = 9;
+// 0.04: as often met, spread seven times as wide.
+constexpr float kAnyPrice = 4;
 constexpr float kLikely2 = 4;  // so near are most dielectrics, squared, in units of their spread
 constexpr float kLeastSpread2 = 0.06f * 0.06f;  // of ln r among neighbours
-constexpr double kLeastSpecularSpread2 = 0.003 * 0.003;
+// Of specular reflectance among neighbours: 0.003 and 6 % of it.
+constexpr double kLeastSpecularSpread = 0.003, kLeastSpecularShare = 0.06;
 constexpr double kBeforeSpecularSpread2 = 0.01 * 0.01;
 constexpr float kBeforeSpread2 = 0.1f * 0.1f;  // of ln r from one time step to the next
 
+float logR(std::size_t j) { return lanes::curveLogR(static_cast<int>(j)); }
+
+// 1 of the same colour, 0 from three units on: like a Gaussian, without its cost.
 float likeness(std::span<const float> a, std::span<const float> b, float like_colour) {
   float off2 = 0, level = 0;
   for (std::size_t c = 0; c < a.size(); ++c) {
@@ -34,8 +38,8 @@ float likeness(std::span<const float> a, std::span<const float> b, float like_co
     level += a[c] + b[c];
   }
   const float unit = like_colour * (0.1f + level / (2 * static_cast<float>(a.size())));
-  const float q = off2 / (unit * unit);
-  return q > 9 ? 0.0f : std::exp(-q / 2);
+  const float left = 1 - off2 / (9 * unit * unit), left2 = left * left;
+  return left > 0 ? left2 * left2 : 0.0f;
 }
 
 // body(x, y, weight) for every few like-looking texels in a disc, the own one included.
@@ -57,8 +61,25 @@ void forAlike(const FitState& state, int x, int y, const MultiLightOptions& opti
     }
 }
 
-// By how much so many texels are fewer: errors that they have together do not average out.
-float crowding(float common, float texels) { return 1 + common * std::max(texels - 1, 0.0f); }
+// Errors that alike texels have together, those of lamps and what the model does not meet, do not
+// average out: by how much so many texels are fewer. What is not met of most texels is the model's;
+// of a few it is a shadow of their own.
+struct Crowd {
+  std::vector<float> misfits;  // of every third
+  int count = 0;
+  float lamps = 0, texels = 0;
+  void add(const FitState& state, int x, int y, float w) {
+    if (count++ % 3 == 0) misfits.push_back(state.misfit.at(x, y));
+    lamps += w * state.lamps.at(x, y);
+    texels += w;
+  }
+  float crowding() {
+    const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
+    std::nth_element(misfits.begin(), middle, misfits.end());
+    const float common = 1 - (1 - lamps / texels) / std::max(*middle, 1.0f);
+    return 1 + common * std::max(texels - 1, 0.0f);
+  }
+};
 
 // Squared, in units of what dielectrics spread by.
 float fromDielectric2(float specular, const MultiLightOptions& options) {
@@ -68,57 +89,90 @@ float fromDielectric2(float specular, const MultiLightOptions& options) {
 
 Pool pooled(const FitState& state, int x, int y, const MultiLightOptions& options) {
   Pool sum;
+  Crowd crowd;
   forAlike(state, x, y, options, [&](int nx, int ny, float w) {
     const auto curve = state.curve.view().texel(nx, ny),
-               strength = state.curve_specular.view().texel(nx, ny);
+               slope = state.curve_slope.view().texel(nx, ny),
+               specular = state.curve_specular.view().texel(nx, ny);
     for (std::size_t j = 0; j < kCurve; ++j) {
       sum.cost[j] += w * curve[j];
-      sum.specular[j] += w * strength[j];
+      sum.slope[j] += w * slope[j];
+      sum.specular[j] += w * specular[j];
     }
-    sum.texels += w;
+    crowd.add(state, nx, ny, w);
   });
-  const float crowd = crowding(state.common.at(x, y), sum.texels);
+  const float fewer = 1 / crowd.crowding();
   for (std::size_t j = 0; j < kCurve; ++j) {
-    sum.specular[j] /= sum.texels;
-    sum.cost[j] =
-        sum.cost[j] / crowd + std::min(fromDielectric2(sum.specular[j], options), kAnyPrice);
+    sum.specular[j] /= crowd.texels;
+    sum.cost[j] *= fewer;
+    sum.slope[j] *= fewer;
   }
-  sum.texels /= crowd;
+  for (std::size_t j = 0; j < kCurve; ++j) {
+    const float price = fromDielectric2(sum.specular[j], options);
+    sum.cost[j] += std::min(price, kAnyPrice);
+    const float off = logR(j) - kWideLogR;
+    sum.cost[j] += kWideLogRWeight * off * off;
+    sum.slope[j] += 2 * kWideLogRWeight * off;
+    const std::size_t l = j > 0 ? j - 1 : j, r = j + 1 < kCurve ? j + 1 : j;
+    const float spread2 = options.specular_spread * options.specular_spread;
+    if (price < kAnyPrice)
+      sum.slope[j] += 2 * (sum.specular[j] - kDielectric) / spread2 *
+                      (sum.specular[r] - sum.specular[l]) / (logR(r) - logR(l));
+  }
+  sum.texels = crowd.texels * fewer;
   return sum;
 }
 
-struct Valley {
-  float log_r = 0, weight = 0, cost = 0;  // weight: half the second derivative
+// Between two entries `h` of ln r apart: the cubic of their costs and slopes. t: [0,1].
+class Cubic {
+ public:
+  Cubic(std::span<const float> cost, std::span<const float> slope, std::size_t j)
+      : h_(logR(j + 1) - logR(j)), p0_(cost[j]), m0_(slope[j] * h_), m1_(slope[j + 1] * h_) {
+    const float rise = cost[j + 1] - p0_;
+    c2_ = 3 * rise - 2 * m0_ - m1_;
+    c3_ = m0_ + m1_ - 2 * rise;
+  }
+  float h() const { return h_; }
+  float at(float t) const { return p0_ + t * (m0_ + t * (c2_ + t * c3_)); }
+  bool leadsDown() const { return m0_ < 0 && m1_ > 0; }  // from both entries
+  // Where it is lowest then.
+  float lowest() const {
+    float low = 0, high = 1;
+    for (int round = 0; round < 12; ++round) {
+      const float t = (low + high) / 2;
+      (m0_ + t * (2 * c2_ + t * 3 * c3_) < 0 ? low : high) = t;
+    }
+    return (low + high) / 2;
+  }
+  // Half the mean second derivative by ln r.
+  float weight() const { return (m1_ - m0_) / (2 * h_ * h_); }
+
+ private:
+  float h_, p0_, m0_, m1_, c2_, c3_;
 };
 
-// Lowest point of the quartic through the least entry and two neighbours on each side.
-Valley valleyOf(const Curve& curve) {
-  int least = 2;
-  for (int j = 2; j + 2 < kCurve; ++j)
-    if (curve[static_cast<std::size_t>(j)] < curve[static_cast<std::size_t>(least)]) least = j;
-  const auto at = [&](int j) { return curve.data()[least + j]; };
-  const float odd1 = at(1) - at(-1), odd2 = at(2) - at(-2);
-  const float even1 = at(1) + at(-1) - 2 * at(0), even2 = at(2) + at(-2) - 2 * at(0);
-  const float c1 = (8 * odd1 - odd2) / 12, c2 = (16 * even1 - even2) / 24,
-              c3 = (odd2 - 2 * odd1) / 12, c4 = (even2 - 4 * even1) / 24;
-  float off = std::clamp(-odd1 / (2 * even1 + 1e-9f), -1.0f, 1.0f);
-  for (int round = 0; round < 8; ++round) {  // Newton, kept to where the quartic is one
-    const float slope = c1 + off * (2 * c2 + off * (3 * c3 + off * 4 * c4));
-    const float bend = 2 * c2 + off * (6 * c3 + off * 12 * c4);
-    off = std::clamp(off - slope / std::max(bend, even1 / 2 + 1e-9f), -1.5f, 1.5f);
+struct Valley {
+  float log_r = 0, weight = 0, cost = HUGE_VALF;  // weight: half the second derivative
+};
+
+// The lowest point between two entries whose slopes lead down into it; weight 0: there is none.
+Valley valleyOf(const Pool& pool) {
+  Valley least;
+  for (std::size_t j = 0; j + 1 < kCurve; ++j) {
+    const Cubic cubic(pool.cost, pool.slope, j);
+    if (!cubic.leadsDown()) continue;
+    const float t = cubic.lowest(), cost = cubic.at(t);
+    if (cost < least.cost) least = {logR(j) + t * cubic.h(), cubic.weight(), cost};
   }
-  const float bend = 2 * c2 + off * (6 * c3 + off * 12 * c4);
-  if (!(bend > 1e-6f)) return {};
-  const float cost = at(0) + off * (c1 + off * (c2 + off * (c3 + off * c4)));
-  const float h = lanes::curveLogR(1) - lanes::curveLogR(0);
-  return {lanes::curveLogR(least) + off * h, bend / (2 * h * h), std::max(cost, 0.0f)};
+  least.cost = least.weight > 0 ? std::max(least.cost, 0.0f) : 0;
+  return least;
 }
 
 float specularAt(const Pool& pool, float log_r) {
-  const float at = (log_r - lanes::curveLogR(0)) / (lanes::curveLogR(1) - lanes::curveLogR(0));
-  const int j = std::clamp(static_cast<int>(at), 0, kCurve - 2);
-  const float share = std::clamp(at - static_cast<float>(j), 0.0f, 1.0f);
-  return pool.specular.data()[j] * (1 - share) + pool.specular.data()[j + 1] * share;
+  std::size_t j = 0;
+  while (j + 2 < kCurve && logR(j + 1) <= log_r) ++j;
+  const float share = std::clamp((log_r - logR(j)) / (logR(j + 1) - logR(j)), 0.0f, 1.0f);
+  return pool.specular[j] * (1 - share) + pool.specular[j + 1] * share;
 }
 
 // What the pool costs beyond one per texel is how much they differ among themselves (DerSimonian
@@ -149,11 +203,31 @@ struct SpecularPool {
   float certainty(double crowd) const {
     const double excess = square - grey * grey / weight - std::max(texels - 1, 0.0);
     const double between = std::max(excess, 0.0) / weight;
-    return static_cast<float>(1 / (crowd / weight + between + kLeastSpecularSpread2));
+    const double least = kLeastSpecularSpread + kLeastSpecularShare * std::max(grey / weight, 0.0);
+    return static_cast<float>(1 / (crowd / weight + between + least * least));
   }
 };
 
 }  // namespace
+
+void ofLikeTexels(std::span<float> cost, std::span<float> slope) {
+  const auto lowest =
+      static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  float best = logR(lowest), least = cost[lowest];
+  for (std::size_t j = lowest > 0 ? lowest - 1 : 0; j <= lowest && j + 1 < kCurve; ++j) {
+    const Cubic cubic(cost, slope, j);
+    if (!cubic.leadsDown()) continue;
+    const float t = cubic.lowest(), there = cubic.at(t);
+    if (there < least) least = there, best = logR(j) + t * cubic.h();
+  }
+  for (std::size_t j = 0; j < kCurve; ++j) {
+    const float own = std::max(cost[j] - least, 0.0f), off = logR(j) - best;
+    const float apart = off * off / kLeastSpread2, apart_slope = 2 * off / kLeastSpread2;
+    const float both = std::max(own + apart, 1e-20f);
+    slope[j] = (slope[j] * apart * apart + apart_slope * own * own) / (both * both);
+    cost[j] = own * apart / both;
+  }
+}
 
 FitState::FitState(SizePx s, int channels)
     : size(s),
@@ -169,9 +243,12 @@ FitState::FitState(SizePx s, int channels)
       told(s.width, s.height, 1),
       shadowed(s.width, s.height, 1),
       spread2(s.width, s.height, 1, 1.0f),
-      common(s.width, s.height, 1),
+      misfit(s.width, s.height, 1),
+      lamps(s.width, s.height, 1),
+      own_specular(s.width, s.height, channels),
       look(s.width, s.height, channels),
       curve(s.width, s.height, kCurve),
+      curve_slope(s.width, s.height, kCurve),
       curve_specular(s.width, s.height, kCurve) {}
 
 PriorMaps::PriorMaps(SizePx s, int channels)
@@ -189,13 +266,14 @@ void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
       Pool sum = pooled(state, x, y, options);
       for (const FitBefore& other : before) {
         const float log_r = std::log(std::max(other.roughness.at(x, y), 0.02f));
-        for (int j = 0; j < kCurve; ++j) {
-          const float off = lanes::curveLogR(j) - log_r;
-          sum.cost[static_cast<std::size_t>(j)] +=
-              other.confidence.at(x, y) * off * off / kBeforeSpread2;
+        const float firm = other.confidence.at(x, y) / kBeforeSpread2;
+        for (std::size_t j = 0; j < kCurve; ++j) {
+          const float off = logR(j) - log_r;
+          sum.cost[j] += firm * off * off;
+          sum.slope[j] += 2 * firm * off;
         }
       }
-      const Valley valley = valleyOf(sum.cost);
+      const Valley valley = valleyOf(sum);
       prior.log_r.at(x, y) = valley.log_r;
       prior.log_r_weight.at(x, y) = certaintyOf(valley, sum.texels);
       const float spread = options.specular_spread;
@@ -212,11 +290,14 @@ void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
   forEachRow(state.size.height, std::int64_t{state.size.width} * 500, [&](int y) {
     for (int x = 0; x < state.size.width; ++x) {
       SpecularPool sum;
+      Crowd together;
       forAlike(state, x, y, options, [&](int nx, int ny, float w) {
         const float information = state.specular_weight.at(nx, ny);
-        if (information > 0) sum.add(state.specular.view().texel(nx, ny), information, w);
+        if (!(information > 0)) return;
+        sum.add(state.own_specular.view().texel(nx, ny), information, w);
+        together.add(state, nx, ny, w);
       });
-      const float crowd = crowding(state.common.at(x, y), static_cast<float>(sum.texels));
+      const float crowd = together.texels > 0 ? together.crowding() : 1;
       for (const FitBefore& other : before)
         if (other.specular.channels == state.specular.channels())
           sum.add(other.specular.texel(x, y), other.confidence.at(x, y) / kBeforeSpecularSpread2,

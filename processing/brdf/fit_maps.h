@@ -3,12 +3,14 @@
 // includes this.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "processing/brdf/fit_lanes.h"
 
 namespace patina::brdf {
 
+constexpr float kWideLogR = -1.2f, kWideLogRWeight = 1.5f;  // of a texel nobody knows: e^-1.2
 constexpr float kDielectric = 0.04f;  // specular reflectance at an index of refraction of 1.5
 
 // [h][w] each, of one kind of number.
@@ -22,11 +24,14 @@ struct FitState {
   Image<float> confidence, residual;
   Image<std::uint8_t> told, shadowed;  // five levels count; most lamps do not reach it
   Image<float> spread2;                // of the residuals, in units of the noise, at least 1
-  Image<float> common;                 // share of the noise that a picture's texels have together
+  Image<float> misfit;                 // the same, whatever it is
+  Image<float> lamps;                  // share of the noise's variance that is the lamps'
+  Image<float> own_specular;           // [h][w][channels] as the own lights alone have it
   Image<float>
       look;  // [h][w][channels], of a mosaic [3]: levels over irradiance, known whatever the gloss
-  // [h][w][kCurve], by roughness: cost in units of the texel's spread, and the specular reflectance
-  Image<float> curve, curve_specular;
+  // [h][w][kCurve], by roughness: cost in units of the texel's spread, its slope by ln r, and the
+  // specular reflectance
+  Image<float> curve, curve_slope, curve_specular;
 };
 
 // What texels are held to: means and certainties (1 / variance, 0: nobody knows).
@@ -36,6 +41,11 @@ struct PriorMaps {
   Image<float> dielectric_weight;          // of kDielectric; 0: may be a metal
   Image<float> specular, specular_weight;  // [h][w][channels], [h][w][1]
 };
+
+// From a texel's costs of its own roughness, [kCurve], and their slopes by ln r to those of the
+// roughness in the middle of alike ones, from which each is 6 % off: 1 / (1 / cost + 1 / (distance
+// from the least / 6 %)^2), which is exact where costs are a parabola.
+void ofLikeTexels(std::span<float> cost, std::span<float> slope);
 
 // The costs of like-looking texels within `neighbour_px`, and of `before`, are added up: what one
 // texel's lights leave open, another's decide. Fills ln r. Rows in parallel; O(texels kCurve).

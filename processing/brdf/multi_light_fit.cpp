@@ -22,7 +22,6 @@ using lanes::Lane;
 using lanes::Prior;
 using lanes::Samples;
 
-constexpr float kWideLogR = -1.2f, kWideLogRWeight = 0.4f;  // of a texel nobody knows: e^-1.2
 constexpr float kWideSpecularWeight = 4;
 constexpr float kChromaWeight = 100;  // holds specular channels to their mean
 constexpr float kShadowedChromaWeight = 1 / (0.02f * 0.02f);  // of what many lamps do not reach
@@ -70,7 +69,7 @@ class Fitter {
             matt(tile.lanes(), at, q);
           }
           keep(tile, at, q, prior, nullptr, x0, y);
-          if (glossy()) keepCurves(tile, at, prior, x0, y);
+          if (glossy()) keepCurves(tile, at, x0, y);
         },
         progress);
   }
@@ -196,19 +195,21 @@ class Fitter {
       keepTexel(tile, at, q, prior, maps, x0 + k, y, k);
   }
 
-  void keepCurves(FitTile& tile, const Estimate& at, const Prior& prior, int x0, int y) {
+  void keepCurves(FitTile& tile, const Estimate& at, int x0, int y) {
     const Samples& s = tile.lanes();
     Lane spread2;
     for (int k = 0; k < kLanes; ++k) spread2[k] = static_cast<float>(fitOf(s, at, k).spread2(4));
     lanes::CostCurve curve;
-    lanes::costCurve(options_.model, tile.lanes(), at, prior, curve);
+    lanes::costCurve(options_.model, tile.lanes(), at, curve);
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k) {
-      float least = curve.cost[0][k];
-      for (const Lane& cost : curve.cost) least = std::min(least, cost[k]);
+      const auto cost = state_.curve.view().texel(x0 + k, y),
+                 slope = state_.curve_slope.view().texel(x0 + k, y);
       for (int j = 0; j < lanes::kCurve; ++j) {
-        state_.curve.at(x0 + k, y, j) = (curve.cost[j][k] - least) / spread2[k];
+        cost[static_cast<std::size_t>(j)] = curve.cost[j][k] / spread2[k];
+        slope[static_cast<std::size_t>(j)] = curve.slope[j][k] / spread2[k];
         state_.curve_specular.at(x0 + k, y, j) = curve.ks[j][k];
       }
+      ofLikeTexels(cost, slope);
       keepLook(s, x0 + k, y, k);
     }
   }
@@ -218,12 +219,8 @@ class Fitter {
     int used = 0;
     double square = 0, chi2 = 0;
     double lamps = 0;  // share of the noise's variance that is the lamps'
-    double spread2(int parameters) const {
-      return std::max(1.0, chi2 / std::max(used - parameters, 1));
-    }
-    // Share that alike neighbours have together: what is the lamps', and what the model does not
-    // meet.
-    double common() const { return 1 - (1 - lamps) / spread2(5); }
+    double misfit(int parameters) const { return chi2 / std::max(used - parameters, 1); }
+    double spread2(int parameters) const { return std::max(1.0, misfit(parameters)); }
   };
   LaneFit fitOf(const Samples& s, const Estimate& at, int k) const {
     LaneFit fit;
@@ -271,7 +268,8 @@ class Fitter {
     state_.told.at(x, y) = fit.used >= lanes::kFewestLit;
     state_.shadowed.at(x, y) = s.shadowed[k] > 0;
     state_.spread2.at(x, y) = static_cast<float>(fit.spread2(5));
-    state_.common.at(x, y) = static_cast<float>(fit.common());
+    state_.misfit.at(x, y) = static_cast<float>(fit.misfit(5));
+    state_.lamps.at(x, y) = static_cast<float>(fit.lamps);
     auto n = state_.normal.view().texel(x, y);
     const bool black = brightest < kBlack;
     counts.black += black;
@@ -310,6 +308,8 @@ class Fitter {
         by += s.weight[i][k] * (1 - m) * s.g[i][k] * rest;
       }
       float kd = 0, ks = 0;
+      const float det = q.aa[k] * (q.bb[k] - prior.ks_weight[k]) - q.ab[k] * q.ab[k];
+      state_.own_specular.at(x, y, c) = det > 0 ? (q.aa[k] * by - q.ab[k] * ay) / det : 0;
       if (glossy())
         lanes::solveLinear(q.aa[k], q.ab[k], q.bb[k] + chroma, ay,
                            by + prior.ks_weight[k] * prior.ks[k] + known * tint + chroma * at.ks[k],

@@ -67,6 +67,16 @@ std::string planText(const Loop& loop, const std::string& rig, const std::string
          "]\nexposures = [\"1/50\"]\n" + rest;
 }
 
+std::string noisePlanText(const std::string& rig) {
+  return "rig = \"" + rig +
+         "\"\nspecimen = \"card\"\nseed = 2\ninterval = \"60s\"\nduration = \"240s\"\n"
+         "[[sweep]]\nlights = [[\"" +
+         idOf(0) +
+         "\"]]\nexposures = [\"1/50\", \"1/100\", \"1/200\", \"1/400\"]\n"
+         "[[sweep]]\nlights = [[]]\nexposures = [\"1/50\"]\n"
+         "[light_check]\nmode = \"uncontrolled\"\n";
+}
+
 std::string plainName(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
   return name;

@@ -24,6 +24,8 @@ double viewMm(const Loop& loop);   // the width that the camera sees
 std::string rigText(const Loop& loop, bool card, bool all);
 std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
                      int steps, const std::string& rest);
+// Pairs of flats of the first lamp, and of darks.
+std::string noisePlanText(const std::string& rig);
 std::string plainName(std::string name);  // without its _: a specimen's id in a plan
 devices::RigSpec wholeRig(const Loop& loop, bool shadows);
 

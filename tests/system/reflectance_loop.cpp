@@ -299,9 +299,16 @@ void prepareLoop(const Loop& loop, const TempFolder& folder) {
                    "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
   writeFile(folder / "card.toml",
             planText(loop, "card_rig.toml", "card", 4, "[light_check]\nmode = \"uncontrolled\"\n"));
-  const Finished card =
-      runPatina({"rehearse", folder / "card.toml", "--archive", archiveOf(folder)});
-  ASSERT_EQ(card.exit, 0) << card.err;
+  writeFile(folder / "noise.toml", noisePlanText("card_rig.toml"));
+  for (const std::vector<std::string>& args :
+       {std::vector<std::string>{"rehearse", folder / "noise.toml"},
+        {"calibrate", "noise", "latest", "--light", idOf(0)},
+        {"rehearse", folder / "card.toml"}}) {
+    std::vector<std::string> all = args;
+    all.insert(all.end(), {"--archive", archiveOf(folder)});
+    const Finished done = runPatina(all);
+    ASSERT_EQ(done.exit, 0) << done.err;
+  }
   const Truth truth(loop);
   const RectPx& r = truth.rect();
   Progress progress;

@@ -18,7 +18,8 @@ struct Loop {
   bool shadows = true;
 };
 
-// Plan, rigs and card's plan in `folder`; fields of every lamp in folder/archive.
+// Plan, rigs and card's plans in `folder`; the camera's noise and fields of every lamp in
+// folder/archive.
 void prepareLoop(const Loop& loop, const TempFolder& folder);
 std::string planOf(const TempFolder& folder);
 std::string archiveOf(const TempFolder& folder);
