@@ -16,9 +16,11 @@ namespace {
 
 constexpr int kReachOfSide = 24, kElsewhereOfSide = 12, kSlackOfSide = 24;
 constexpr std::int64_t kPairsMost = std::int64_t{1} << 22;
-// A landmark's patches over the median. Lower, and there are landmarks everywhere: they keep out of
-// one another's way at the cost of all else.
-constexpr float kSalient = 2.5;
+// A landmark's patches over the median: the farthest of them, and what hangs together with it
+// (hysteresis). Lower, and there are landmarks everywhere: they keep out of one another's way at
+// the cost of all else. One threshold misses small ones: few of their patches are that far.
+constexpr float kSalient = 2.5, kBeside = 2.15;
+constexpr int kLeastOfPatch = 8;  // a landmark's patches: that share of a patch's texels
 constexpr float kUnknown = std::numeric_limits<float>::max();
 constexpr std::size_t kSlices = 8;  // of the shifts, for threads
 
@@ -172,19 +174,25 @@ std::int32_t Landmarks::at(int x, int y, SizePx sample) const {
 
 Landmarks landmarksOf(ImageView<const std::int16_t> source) {
   const int side = std::min(source.width, source.height), reach = std::max(1, side / kReachOfSide),
-            away = std::max(2 * reach, side / kElsewhereOfSide);
+            away = std::max(2 * reach, side / kElsewhereOfSide),
+            least = (2 * reach + 1) * (2 * reach + 1) / kLeastOfPatch;
   Landmarks out{.size = source.size()};
   if (side < 2 * reach + 1) return out;
   const std::vector<float> distances = nearestElsewhere(source, reach, away);
-  const float enough = kSalient * std::max(1.0f, medianOf(distances));
+  const float median = std::max(1.0f, medianOf(distances));
+  const auto isSalient = [&](std::int32_t at) {
+    return distances[static_cast<std::size_t>(at)] >= kSalient * median;
+  };
   std::vector<std::uint8_t> pending;
-  for (const float v : distances) pending.push_back(v >= enough && v < kUnknown);
+  for (const float v : distances) pending.push_back(v >= kBeside * median && v < kUnknown);
   out.of.assign(pending.size(), -1);
   for (std::int32_t first = 0; first < static_cast<std::int32_t>(pending.size()); ++first) {
     const std::vector<std::int32_t> members = connected(first, source.size(), [&](std::int32_t at) {
       return std::exchange(pending[static_cast<std::size_t>(at)], std::uint8_t{0}) != 0;
     });
-    if (static_cast<int>(members.size()) < std::max(1, reach * reach)) continue;
+    if (static_cast<int>(members.size()) < least ||
+        std::none_of(members.begin(), members.end(), isSalient))
+      continue;
     for (const std::int32_t member : members) out.of[static_cast<std::size_t>(member)] = out.count;
     ++out.count;
   }

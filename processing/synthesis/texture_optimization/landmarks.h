@@ -20,11 +20,12 @@ struct Landmarks {
   std::int32_t at(int x, int y, SizePx sample) const;
 };
 
-// A landmark is a connected set of patches, 2.5 times as far or more from the nearest patch
-// elsewhere as the median is. `source` [h][w][n] integers whose squared difference is the distance
-// meant, n a multiple of 4, rows without gaps: patches are a tenth of its smaller side wide;
-// elsewhere is a twelfth of the side away or more. Above 2^22 pairs of patches only every n-th is
-// compared. The same for any number of threads. Time: 10 ms for 64x64 texels.
+// A landmark is a connected set of patches 2.15 times as far or more from the nearest patch
+// elsewhere as the median is, one of them 2.5 times; an eighth of a patch's texels or more of them.
+// `source` [h][w][n] integers whose squared difference is the distance meant, n a multiple of 4,
+// rows without gaps: patches are a tenth of its smaller side wide; elsewhere is a twelfth of the
+// side away or more. Above 2^22 pairs of patches only every n-th is compared. The same for any
+// number of threads. Time: 10 ms for 64x64 texels.
 Landmarks landmarksOf(ImageView<const std::int16_t> source);
 
 // Which landmark each texel of a target may show, in which copy: those of `shown` [h][w] (y *

@@ -44,6 +44,20 @@ TEST(Landmarks, AreWhatIsFoundNowhereElse) {
   EXPECT_EQ(two_alike.at(30, 14, {kSide, kSide}), -1);
 }
 
+// One bright texel nearly makes a patch stand out, two do.
+TEST(Landmarks, AreThereForAPatchThatStandsOutAndReachAsFarAsThoseThatNearlyDo) {
+  constexpr std::int16_t kBright = 440;
+  Image<std::int16_t> sample = noiseWith({});
+  sample.at(24, 20, 0) = kBright;
+  EXPECT_EQ(landmarksOf(sample.view()).count, 0);
+  sample.at(28, 20, 0) = kBright;
+  const Landmarks both = landmarksOf(sample.view());
+  EXPECT_EQ(both.count, 1);
+  EXPECT_EQ(both.at(26, 20, {kSide, kSide}), 0);
+  EXPECT_EQ(both.at(24, 20, {kSide, kSide}), 0);  // shows one of them
+  EXPECT_EQ(both.at(32, 20, {kSide, kSide}), -1);
+}
+
 TEST(Landmarks, AreFoundAtTheEdgeAndInSamplesOfAnyShape) {
   EXPECT_EQ(landmarksOf(noiseWith({{0, 20}}).view()).at(0, 20, {kSide, kSide}), 0);
   EXPECT_EQ(landmarksOf(Image<std::int16_t>(kSide, kSide, 4).view()).count, 0);
