@@ -91,6 +91,9 @@ void NearestField::start(std::vector<std::int32_t> centres) {
       centres_[i] = places[uniformBelow(hashSeed(options_.seed, i), places.size())];
   }
   distances_.assign(centres_.size(), 0);
+  refused_.clear();
+  for (std::size_t i = 0; i < centres_.size() && !labels_.of_source.empty(); ++i)
+    refused_.push_back(labels_.refuse(centres_[i], i));
   Occupancy occupancy(source_.size(), options_.patch);
   occupancy.addAll(centres_);
   lanes_.clear();
@@ -114,8 +117,8 @@ void NearestField::wakeSeams() {
         seams[here] = 1;
         seams[static_cast<std::size_t>(at)] = 1;
       }
-  for (std::size_t i = 0; i < seams.size(); ++i)
-    if (labels_.refuse(centres_[i], i)) seams[i] = 1;
+  for (std::size_t i = 0; i < refused_.size(); ++i)
+    if (refused_[i] != 0) seams[i] = 1;
   wakefulness_.wakeOnly(seams);
 }
 
@@ -229,7 +232,7 @@ struct NearestField::Judge {
     return static_cast<std::int32_t>(field.penalty_scale_ *
                                      static_cast<float>(occupancy.at(centre)));
   }
-  void propose(std::int32_t centre) {
+  [[gnu::always_inline]] inline void propose(std::int32_t centre) {
     if (centre == best.centre) return;
     const std::int32_t its_penalty = penalty(centre),
                        bound = best.distance + best.penalty - its_penalty - field.least_gain_;
@@ -284,7 +287,8 @@ void NearestField::judge(const Lane& lane, int x, int y, int pass, int ahead) {
   const std::size_t at = indexOf(x, y);
   Judge judge{*this, lane.occupancy,         x,
               y,     leading_.patchAt(x, y), {centres_[at], distances_[at], 0}};
-  if (labels_.refuse(centres_[at], at)) judge.best.distance = kGivesWay;
+  const bool refused = !refused_.empty() && refused_[at] != 0;
+  if (refused) judge.best.distance = kGivesWay;
   judge.best.penalty = judge.penalty(centres_[at]);
   if (!similar_.empty()) judge.fetchSimilar(centres_[at]);
   for (const Step before : {Step{-ahead, 0}, Step{0, -ahead}})
@@ -307,6 +311,7 @@ void NearestField::judge(const Lane& lane, int x, int y, int pass, int ahead) {
     judge.proposeRandom(hashSeed(options_.seed, static_cast<std::uint64_t>(pass),
                                  static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
   }
+  if (refused && judge.best.centre != centres_[at]) refused_[at] = 0;
   centres_[at] = judge.best.centre;
   if (judge.best.distance != kGivesWay) distances_[at] = judge.best.distance;
 }

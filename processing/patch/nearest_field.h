@@ -139,6 +139,7 @@ class NearestField {
   PatchComponents leading_;
   std::vector<PatchComponents> further_;
   std::vector<std::int32_t> centres_, distances_;
+  std::vector<std::uint8_t> refused_;  // by the labels, since the start; empty without any
   Wakefulness wakefulness_;
 
   Lanes order_;

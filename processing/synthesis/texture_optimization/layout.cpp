@@ -4,6 +4,7 @@
 #include <immintrin.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -47,8 +48,22 @@ struct Rim {
 
 // What a block at `place` shows of a landmark: its share and the middle of it, in the block.
 struct Part {
+  std::size_t landmark;
   std::int32_t place;
   float share, x, y;
+};
+
+// All of one landmark, four at a time; the last of them show nothing.
+struct Parts {
+  std::vector<std::int32_t> place = {};
+  std::vector<float> share = {}, x = {}, y = {};
+
+  void add(const Part& part) {
+    place.push_back(part.place);
+    share.push_back(part.share);
+    x.push_back(part.x);
+    y.push_back(part.y);
+  }
 };
 
 class Layout {
@@ -139,11 +154,17 @@ class Layout {
         ++whole[static_cast<std::size_t>(of)];
         weights_[at] = kCut;
       }
+    parts_at_.resize(weights_.size());
     for (std::size_t k = 0; k < share.size(); ++k) {
       landmarks_.emplace_back();
-      for (const std::int32_t place : places_)
-        if (const Part part = partOf(share[k], place); part.share > kLeastShare * whole[k])
-          landmarks_[k].push_back({place, part.share / whole[k], part.x, part.y});
+      for (const std::int32_t place : places_) {
+        const Part part = partOf(share[k], place);
+        if (part.share <= kLeastShare * whole[k]) continue;
+        const Part shown{k, place, part.share / whole[k], part.x, part.y};
+        landmarks_[k].add(shown);
+        parts_at_[static_cast<std::size_t>(place)].push_back(shown);
+      }
+      while (landmarks_[k].place.size() % 4 != 0) landmarks_[k].add({k, 0, 0, 0, 0});
     }
   }
 
@@ -153,7 +174,7 @@ class Layout {
   }
 
   Part partOf(const std::vector<float>& share, std::int32_t place) const {
-    Part out{place, 0, 0, 0};
+    Part out{0, place, 0, 0, 0};
     for (int j = 0; j < block_; ++j)
       for (int i = 0; i < block_; ++i) {
         const float v = share[sourceIndex(place, i, j)];
@@ -326,18 +347,22 @@ class Layout {
     const int tx = right * block_, ty = below * block_;
     const float reach =
         kLandmarksApart * static_cast<float>(std::min(source_.width, source_.height));
-    for (const std::vector<Part>& parts : landmarks_) {
-      const auto there =
-          std::lower_bound(parts.begin(), parts.end(), place,
-                           [](const Part& part, std::int32_t at) { return part.place < at; });
-      if (there == parts.end() || there->place != place) continue;
-      for (const Part& here : parts) {
-        if (here.place + ty * source_.width + tx == place) continue;
-        const float x = static_cast<float>(tx) + there->x - here.x,
-                    y = static_cast<float>(ty) + there->y - here.y, squared = x * x + y * y;
-        if (squared < reach * reach)
-          repeats_[static_cast<std::size_t>(here.place)] +=
-              kLandmark * std::sqrt((1 - std::sqrt(squared) / reach) * there->share * here.share);
+    if (parts_at_.empty()) return;
+    const __m128 one = _mm_set1_ps(1), far = _mm_set1_ps(reach);
+    alignas(16) std::array<float, 4> costs;
+    for (const Part& there : parts_at_[static_cast<std::size_t>(place)]) {
+      const Parts& parts = landmarks_[there.landmark];
+      const __m128 x = _mm_set1_ps(static_cast<float>(tx) + there.x),
+                   y = _mm_set1_ps(static_cast<float>(ty) + there.y),
+                   share = _mm_set1_ps(there.share);
+      for (std::size_t i = 0; i < parts.place.size(); i += costs.size()) {
+        const __m128 across = x - _mm_loadu_ps(&parts.x[i]), down = y - _mm_loadu_ps(&parts.y[i]),
+                     near = one - _mm_sqrt_ps(across * across + down * down) / far;
+        _mm_store_ps(costs.data(), _mm_sqrt_ps(_mm_max_ps(near, _mm_setzero_ps()) * share *
+                                               _mm_loadu_ps(&parts.share[i])));
+        for (std::size_t k = 0; k < costs.size(); ++k)
+          if (parts.place[i + k] + ty * source_.width + tx != place)
+            repeats_[static_cast<std::size_t>(parts.place[i + k])] += kLandmark * costs[k];
       }
     }
   }
@@ -352,8 +377,9 @@ class Layout {
   std::vector<std::int32_t> blocks_;        // the place that each shows
   std::vector<Rim> rim_;                    // of the block that moves
   std::vector<float> weights_;              // [h][w] of the source: of mismatch
-  std::vector<std::vector<Part>> landmarks_;  // of each, by place
-  std::vector<float> kernel_, repeats_;       // repeats_: of the block that moves, by its place
+  std::vector<Parts> landmarks_;
+  std::vector<std::vector<Part>> parts_at_;  // by place in the source
+  std::vector<float> kernel_, repeats_;      // repeats_: of the block that moves, by its place
   double mismatch_unit_ = 1;
 };
 
