@@ -176,6 +176,21 @@ PixelMap Deformation::map() const {
   return out;
 }
 
+double agreementBy(const Deformation& field, const PreparedPicture& reference,
+                   const PreparedPicture& frame, int level) {
+  const auto at = static_cast<std::size_t>(level);
+  const PictureLevel& ours = reference.levels[at];
+  return znccOf(ours, laidOver(frame.levels[at], field, level, ours.size()));
+}
+
+double largestOf(const Image<float>& beyond_px) {
+  double largest = 0;
+  for (int j = 0; j < beyond_px.height(); ++j)
+    for (int i = 0; i < beyond_px.width(); ++i)
+      largest = std::max<double>(largest, std::hypot(beyond_px.at(i, j, 0), beyond_px.at(i, j, 1)));
+  return largest;
+}
+
 Deformation findDeformation(const PreparedPicture& reference, const PreparedPicture& frame,
                             const Motion& frame_from_reference, const DeformationOptions& options,
                             Progress& progress) {
@@ -188,23 +203,15 @@ Deformation findDeformation(const PreparedPicture& reference, const PreparedPict
                                (out.size.height - 2) / options.spacing_px + 2, 2);
   const int levels = static_cast<int>(std::min(reference.levels.size(), frame.levels.size()));
   const int finest = std::min(options.finest_level, levels - 1);
-  const auto zncc = [&] {
-    const auto at = static_cast<std::size_t>(finest);
-    return znccOf(reference.levels[at],
-                  laidOver(frame.levels[at], out, finest, reference.levels[at].size()));
-  };
-  out.zncc_before = zncc();
+  out.zncc_before = agreementBy(out, reference, frame, finest);
   for (int level = levels - 1; level >= finest; --level)
     for (int k = 0; k < options.iterations; ++k) {
       const auto at = static_cast<std::size_t>(level);
       step(reference.levels[at], frame.levels[at], level, options, out);
       progress.step(0);
     }
-  out.zncc_after = zncc();
-  for (int j = 0; j < out.beyond_px.height(); ++j)
-    for (int i = 0; i < out.beyond_px.width(); ++i)
-      out.largest_px = std::max<double>(
-          out.largest_px, std::hypot(out.beyond_px.at(i, j, 0), out.beyond_px.at(i, j, 1)));
+  out.zncc_after = agreementBy(out, reference, frame, finest);
+  out.largest_px = largestOf(out.beyond_px);
   return out;
 }
 

@@ -41,4 +41,9 @@ Deformation findDeformation(const PreparedPicture& reference, const PreparedPict
                             const Motion& frame_from_reference, const DeformationOptions& options,
                             Progress& progress);
 
+// zncc of `local` over what is usable, the frame laid over the reference by `field`.
+double agreementBy(const Deformation& field, const PreparedPicture& reference,
+                   const PreparedPicture& frame, int level = 0);
+double largestOf(const Image<float>& beyond_px);
+
 }  // namespace patina::calibration

@@ -1,25 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a surface warps over a run in which it changes its looks as well: each frame against a recent
-// one that still looks like it.
+// How a surface warps over a run in which it changes its looks as well: each frame against the
+// first and recent ones that still look like it.
 #pragma once
 
+#include <vector>
+
 #include "calibration/registration/deformation.h"
+#include "calibration/registration/deformation_refinement.h"
 
 namespace patina::calibration {
 
 struct DeformationTrackOptions {
   DeformationOptions field;
-  double renew_zncc = 0.75;  // below it the picture that is held on to has aged; 0: never renewed
+  double renew_zncc = 0.9;  // below it what is held on to has aged; 0: never renewed
+  int recent = 2;           // pictures held on to beside the first (1 .. 16)
   // What shrinks or warps, [h][w] of the first frame, others 0: a patch or fiducials beside it stay
   // where they are and would hold it back. Empty: all of it.
   Image<std::uint8_t> specimen;
   void check() const;  // CalibrationError(kUsage): field, value, range
 };
 
-// Fields are against the first frame: what is held on to is that frame, or a later one laid over
-// it, so fields are not chained and do not grow. Errors add up from one such picture to the next,
-// not from frame to frame; and the first is returned to as soon as it fits again. Single-threaded
-// use.
+// Fields are against the first frame: what is held on to is that frame and later ones laid over it,
+// all of which a frame is matched with at once, so fields are not chained and do not grow. Each
+// starts from the field before it, or from what findDeformation finds, where that explains twice as
+// much. Errors add up from one picture held on to to the next, not from frame to frame.
+// Single-threaded use.
 class DeformationTrack {
  public:
   explicit DeformationTrack(DeformationTrackOptions options);
@@ -29,12 +34,19 @@ class DeformationTrack {
   int keyframesMade() const { return made_; }
 
  private:
-  PreparedPicture prepared(ImageView<const float> frame, const Motion& frame_from_reference) const;
-  bool hasAged(const Deformation& found) const;
+  struct Held {
+    PreparedPicture light;
+    ColourPicture colours;
+  };
+  Held heldOf(ImageView<const float> frame, ImageView<const std::uint8_t> usable) const;
+  Image<std::uint8_t> maskOf(SizePx size, const Motion& frame_from_reference) const;
+  Deformation startOf(const PreparedPicture& held, const PreparedPicture& now,
+                      const Deformation& last, Progress& progress) const;
   void renew(ImageView<const float> frame, const Deformation& found);
 
   DeformationTrackOptions options_;
-  PreparedPicture first_, recent_;  // recent_ has no levels while the first is held on to
+  std::vector<Held> held_;  // the first frame, then recent ones, the latest last
+  Deformation last_;
   int made_ = 0;
 };
 

@@ -194,10 +194,11 @@ std::string rigText(const std::string& specimen, SizePx size, bool with_board) {
 }  // namespace
 
 TwinView::TwinView(const std::string& specimen, SizePx size, std::vector<devices::Fault> faults,
-                   bool with_board)
+                   bool with_board, std::uint64_t seed)
     : spec_(devices::parseRig(rigText(specimen, size, with_board), "rig.toml")), clock_(UtcTime{}) {
   TwinOptions options;
   options.duration = kRun;
+  options.seed = seed;
   options.faults.faults = std::move(faults);
   world_ = std::make_unique<World>(spec_, options, clock_);
   maker_ = std::make_unique<PictureMaker>(*world_, spec_.cameras[0], CameraPose{}, 1);

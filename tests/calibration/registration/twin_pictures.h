@@ -47,11 +47,11 @@ class ShiftedSpecimen {
 };
 
 // A camera of the twin, its grey patch in the lower left corner, on a run of 100 h with faults. The
-// board is a ChArUco in the upper right, three tenths of the picture wide.
+// board is a ChArUco in the upper right, three tenths of the picture wide. `seed`: of the specimen.
 class TwinView {
  public:
   TwinView(const std::string& specimen, SizePx size, std::vector<devices::Fault> faults = {},
-           bool with_board = false);
+           bool with_board = false, std::uint64_t seed = 1);
   TwinView(const TwinView&) = delete;
   TwinView& operator=(const TwinView&) = delete;
 

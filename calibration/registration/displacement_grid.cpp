@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/registration/displacement_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "processing/image/parallel_rows.h"
+
+namespace patina::calibration {
+namespace {
+
+constexpr double kBending = 5;  // 1/px^2: half a pixel of bending is nothing odd
+constexpr double kHeld = 1e-3;  // 1/px^2: where nothing is said a point stays
+constexpr int kSteps = 200;
+constexpr double kDone = 1e-12;  // of the squared right side
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+}  // namespace
+
+DisplacementGrid::DisplacementGrid(SizePx points, int spacing_px)
+    : points_(points),
+      spacing_px_(spacing_px),
+      cells_(static_cast<std::size_t>(points.width - 1) * (points.height - 1)) {}
+
+std::array<std::size_t, 8> DisplacementGrid::unknownsOf(int i, int j) const {
+  std::array<std::size_t, 8> out{};
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    const std::size_t point = (static_cast<std::size_t>(j) + corner / 2) * points_.width +
+                              static_cast<std::size_t>(i) + corner % 2;
+    out[2 * corner] = 2 * point, out[2 * corner + 1] = 2 * point + 1;
+  }
+  return out;
+}
+
+void DisplacementGrid::add(SizePx picture, const std::function<PixelSays(int x, int y)>& says) {
+  const int columns = points_.width - 1, rows = points_.height - 1;
+  const auto begin = [&](int cell) { return std::max(1, cell * spacing_px_); };
+  const auto end = [&](int cell, int cells, int side) {  // the last takes what is left
+    return cell + 1 == cells ? side - 1 : std::min(side - 1, (cell + 1) * spacing_px_);
+  };
+  forEachRow(rows, std::int64_t{1} << 16, [&](int j) {
+    for (int i = 0; i < columns; ++i) {
+      Cell& cell = cells_[static_cast<std::size_t>(j) * columns + i];
+      for (int y = begin(j); y < end(j, rows, picture.height); ++y)
+        for (int x = begin(i); x < end(i, columns, picture.width); ++x) {
+          const PixelSays s = says(x, y);
+          if (s.xx + s.yy <= 0) continue;
+          const double fx = std::min(static_cast<double>(x) / spacing_px_ - i, 1.0),
+                       fy = std::min(static_cast<double>(y) / spacing_px_ - j, 1.0);
+          const double shares[] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+          for (std::size_t p = 0; p < 4; ++p) {
+            cell.r[2 * p] += shares[p] * s.x, cell.r[2 * p + 1] += shares[p] * s.y;
+            for (std::size_t q = 0; q < 4; ++q) {
+              const double both = shares[p] * shares[q];
+              cell.h[16 * p + 2 * q] += both * s.xx, cell.h[16 * p + 2 * q + 1] += both * s.xy;
+              cell.h[16 * p + 8 + 2 * q] += both * s.xy;
+              cell.h[16 * p + 8 + 2 * q + 1] += both * s.yy;
+            }
+          }
+        }
+    }
+  });
+}
+
+// Along both axes and, twice, across them: the bending of a thin plate.
+void DisplacementGrid::addBending(const std::vector<double>& d, std::vector<double>& out) const {
+  const int columns = points_.width, rows = points_.height;
+  const auto add = [&](int first, std::array<int, 4> steps, std::array<double, 4> shares,
+                       double weight) {
+    for (int c = 0; c < 2; ++c) {
+      double bent = 0;
+      for (std::size_t k = 0; k < 4; ++k)
+        bent += shares[k] * d[static_cast<std::size_t>(2 * (first + steps[k]) + c)];
+      for (std::size_t k = 0; k < 4; ++k)
+        out[static_cast<std::size_t>(2 * (first + steps[k]) + c)] += weight * shares[k] * bent;
+    }
+  };
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const int at = j * columns + i;
+      if (i + 2 < columns) add(at, {0, 1, 2, 0}, {1, -2, 1, 0}, kBending);
+      if (j + 2 < rows) add(at, {0, columns, 2 * columns, 0}, {1, -2, 1, 0}, kBending);
+      if (i + 1 < columns && j + 1 < rows)
+        add(at, {0, 1, columns, columns + 1}, {1, -1, -1, 1}, 2 * kBending);
+    }
+}
+
+std::vector<double> DisplacementGrid::times(const std::vector<double>& d) const {
+  std::vector<double> out(d.size());
+  for (std::size_t k = 0; k < d.size(); ++k) out[k] = kHeld * d[k];
+  const int columns = points_.width - 1;
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const auto at = unknownsOf(static_cast<int>(k) % columns, static_cast<int>(k) / columns);
+    for (std::size_t p = 0; p < 8; ++p)
+      for (std::size_t q = 0; q < 8; ++q) out[at[p]] += cells_[k].h[8 * p + q] * d[at[q]];
+  }
+  addBending(d, out);
+  return out;
+}
+
+void DisplacementGrid::solve(const Image<float>& start, Image<float>& field) const {
+  const std::size_t n = field.texels().size();
+  std::vector<double> moved(n), bent(n), left(n), inverse(n, kHeld + kBending), step(n), way(n);
+  for (std::size_t k = 0; k < n; ++k) moved[k] = field.texels()[k] - start.texels()[k];
+  addBending(moved, bent);
+  for (std::size_t k = 0; k < n; ++k) left[k] = -bent[k];
+  const int columns = points_.width - 1;
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const auto at = unknownsOf(static_cast<int>(k) % columns, static_cast<int>(k) / columns);
+    for (std::size_t p = 0; p < 8; ++p)
+      left[at[p]] += cells_[k].r[p], inverse[at[p]] += cells_[k].h[9 * p];
+  }
+  for (double& value : inverse) value = 1 / value;  // of the diagonal, near enough
+  const auto scaled = [&] {
+    std::vector<double> out(n);
+    for (std::size_t k = 0; k < n; ++k) out[k] = inverse[k] * left[k];
+    return out;
+  };
+  way = scaled();
+  double size = dot(left, way);
+  const double done = kDone * size;
+  for (int k = 0; k < kSteps && size > done; ++k) {
+    const std::vector<double> forward = times(way);
+    const double length = size / dot(way, forward);
+    for (std::size_t i = 0; i < n; ++i) step[i] += length * way[i], left[i] -= length * forward[i];
+    const std::vector<double> next = scaled();
+    const double now = dot(left, next);
+    for (std::size_t i = 0; i < n; ++i) way[i] = next[i] + now / size * way[i];
+    size = now;
+  }
+  for (std::size_t k = 0; k < n; ++k) field.texels()[k] += static_cast<float>(step[k]);
+}
+
+}  // namespace patina::calibration
