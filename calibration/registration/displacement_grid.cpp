@@ -73,11 +73,12 @@ void DisplacementGrid::addBending(const std::vector<double>& d, std::vector<doub
   const auto add = [&](int first, std::array<int, 4> steps, std::array<double, 4> shares,
                        double weight) {
     for (int c = 0; c < 2; ++c) {
+      const auto unknown = [&](std::size_t k) {
+        return 2 * static_cast<std::size_t>(first + steps[k]) + static_cast<std::size_t>(c);
+      };
       double bent = 0;
-      for (std::size_t k = 0; k < 4; ++k)
-        bent += shares[k] * d[static_cast<std::size_t>(2 * (first + steps[k]) + c)];
-      for (std::size_t k = 0; k < 4; ++k)
-        out[static_cast<std::size_t>(2 * (first + steps[k]) + c)] += weight * shares[k] * bent;
+      for (std::size_t k = 0; k < 4; ++k) bent += shares[k] * d[unknown(k)];
+      for (std::size_t k = 0; k < 4; ++k) out[unknown(k)] += weight * shares[k] * bent;
     }
   };
   for (int j = 0; j < rows; ++j)
