@@ -50,7 +50,7 @@ void stain(Image<float>& picture) {
   }
 }
 
-TEST(DeformationRefinement, IsNotMovedByWhatComesInAColourOfItsOwn) {
+TEST(DeformationRefinement, FollowsASurfaceThatStainsInAColourOfItsOwn) {
   const ShiftedSpecimen steel("steel_rusting", kSize);
   const Image<float> still = steel.at(0.6, {}, 1);
   Image<float> moved = steel.at(0.6, kBy, 2);
@@ -61,7 +61,7 @@ TEST(DeformationRefinement, IsNotMovedByWhatComesInAColourOfItsOwn) {
   Deformation found = by_luma;
   const ColourPicture reference = colourPicture(still.view());
   refineDeformation({&reference}, colourPicture(moved.view()), found, progress);
-  std::printf("moved while spots came: off by %.3f px RMS, by luma alone %.3f px\n",
+  std::printf("a stained surface that moved: off by %.3f px RMS, by luma alone %.3f px\n",
               rmsPx(found, kBy), rmsPx(by_luma, kBy));
   EXPECT_LE(rmsPx(found, kBy), 0.1);
 }
