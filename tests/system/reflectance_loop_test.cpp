@@ -49,7 +49,9 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
   // Of the others docs/reflectance.md tells what misses and why.
-  if (loop.specimen == "banana_ripening" || loop.specimen == "wood_drying") {
+  const bool metal = loop.specimen == "copper_patination" || loop.specimen == "steel_rusting";
+  if (loop.specimen == "banana_ripening" || loop.specimen == "wood_drying" ||
+      (metal && loop.closer >= 8)) {
     EXPECT_LE(s.diffuse_rms, loop.bin < 6 ? 0.015 : 0.01);  // small texels: the mosaic's
     EXPECT_LE(s.told_specular_rms, 0.02);
     EXPECT_LE(s.told_alpha_rms, loop.bin < 6 ? 0.05 : 0.03);
