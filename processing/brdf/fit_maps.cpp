@@ -49,14 +49,18 @@ void forAlike(const FitState& state, int x, int y, const MultiLightOptions& opti
   const int reach = options.neighbours ? options.neighbour_px : 0;
   int step = std::max(1, reach / kRingsOfNeighbours);
   if (options.filters) step += step & 1;  // to pixels of the same colour
+  const int farthest = reach / step * step;
   const auto own = state.look.view().texel(x, y);
-  for (int dy = -reach; dy <= reach; dy += step)
-    for (int dx = -reach; dx <= reach; dx += step) {
+  for (int dy = -farthest; dy <= farthest; dy += step)
+    for (int dx = -farthest; dx <= farthest; dx += step) {
       const int nx = x + dx, ny = y + dy;
       if (dx * dx + dy * dy > reach * reach || nx < 0 || ny < 0 || nx >= state.size.width ||
           ny >= state.size.height)
         continue;
-      const float w = likeness(own, state.look.view().texel(nx, ny), options.like_colour);
+      // A texel is like itself, also where its colour is not known.
+      const float w = dx == 0 && dy == 0
+                          ? 1
+                          : likeness(own, state.look.view().texel(nx, ny), options.like_colour);
       if (w > 0) body(nx, ny, w);
     }
 }

@@ -53,6 +53,35 @@ TEST(FitMaps, UnlikeTexelsAreNotAsked) {
   EXPECT_NEAR(prior.log_r.at(14, 12), -2.5f, 0.02f);
 }
 
+TEST(FitMaps, ATexelIsAmongThoseAskedHoweverFarTheyReach) {
+  for (const int reach : {1, 5, 7, 10, 11, 16, 23}) {
+    FitState state = plainState();
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        plantCurve(state, x, y, x == 12 && y == 12 ? -1.0f : -2.5f, 20);
+        if (x != 12 || y != 12) state.look.at(x, y) = 0.9f;
+      }
+    MultiLightOptions options;
+    options.neighbour_px = reach;
+    PriorMaps prior(kSize, 1);
+    Progress progress;
+    poolRoughness(state, {}, options, prior, progress);
+    EXPECT_NEAR(prior.log_r.at(12, 12), -1.0f, 0.05f) << reach;
+  }
+}
+
+TEST(FitMaps, ATexelOfUnknownColourAsksItselfAlone) {
+  FitState state = plainState();
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) plantCurve(state, x, y, x == 12 ? -1.0f : -2.5f, 20);
+  state.look.at(12, 12) = NAN;
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(12, 12), -1.0f, 0.05f);
+  EXPECT_LT(prior.log_r.at(13, 12), -2.3f);
+}
+
 TEST(FitMaps, NeighboursThatDifferAmongThemselvesHoldLessFirmly) {
   const auto certainty = [](float apart) {
     FitState state = plainState();
