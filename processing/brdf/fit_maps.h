@@ -29,8 +29,8 @@ struct FitState {
   Image<float> own_specular;           // [h][w][channels] as the own lights alone have it
   Image<float>
       look;  // [h][w][channels], of a mosaic [3]: levels over irradiance, known whatever the gloss
-  // [h][w][kCurve], by roughness: cost in units of the texel's spread, its slope by ln r, and the
-  // specular reflectance
+  // [h][w][kCurve], by roughness: cost in units of the texel's spread, as ofLikeTexels() leaves it,
+  // its slope by ln r, and the specular reflectance
   Image<float> curve, curve_slope, curve_specular;
 };
 

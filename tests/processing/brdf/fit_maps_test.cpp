@@ -28,6 +28,13 @@ FitState plainState() {
   return state;
 }
 
+float certaintyOf(const FitState& state) {
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
+  return prior.log_r_weight.at(12, 12);
+}
+
 TEST(FitMaps, WhatNobodyKnowsAloneNeighboursKnowTogether) {
   FitState state = plainState();
   for (int y = 0; y < kSize.height; ++y)
@@ -88,10 +95,7 @@ TEST(FitMaps, NeighboursThatDifferAmongThemselvesHoldLessFirmly) {
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x)
         plantCurve(state, x, y, -1.5f + ((x / 2 + y / 2) % 2 ? apart : -apart), 200);
-    PriorMaps prior(kSize, 1);
-    Progress progress;
-    poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
-    return prior.log_r_weight.at(12, 12);
+    return certaintyOf(state);
   };
   EXPECT_LT(certainty(0.4f), 0.1f * certainty(0));
 }
@@ -104,10 +108,7 @@ TEST(FitMaps, WhatTexelsHaveTogetherDoesNotAverageOut) {
         plantCurve(state, x, y, -1.3f, 4);
         state.lamps.at(x, y) = lamps;
       }
-    PriorMaps prior(kSize, 1);
-    Progress progress;
-    poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
-    return prior.log_r_weight.at(12, 12);
+    return certaintyOf(state);
   };
   EXPECT_NEAR(certainty(1), 4 + kWideLogRWeight, 0.2f);
   EXPECT_LT(certainty(0.1f), 0.4f * certainty(0));
@@ -161,10 +162,7 @@ TEST(FitMaps, WhatTheModelDoesNotMeetDoesNotAverageOutEither) {
         plantCurve(state, x, y, -1.3f, 4);
         state.misfit.at(x, y) = misfit * ((2 * x + y) % 5 ? 0.8f : 1.9f);  // chance alone: 1
       }
-    PriorMaps prior(kSize, 1);
-    Progress progress;
-    poolRoughness(state, {}, MultiLightOptions{}, prior, progress);
-    return prior.log_r_weight.at(12, 12);
+    return certaintyOf(state);
   };
   EXPECT_LT(certainty(10), 0.1f * certainty(1));
 }
