@@ -4,12 +4,12 @@
 #include <immintrin.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "processing/image/failure.h"
 #include "processing/image/random.h"
+#include "processing/synthesis/texture_optimization/layout_landmarks.h"
 
 namespace patina::texture_optimization {
 namespace {
@@ -26,12 +26,6 @@ constexpr double kRepeat = 4, kApart = 1.1;
 // Of one copy that goes on beyond two blocks, for each block there: else whole samples lie side by
 // side.
 constexpr double kLongCopy = 0.8;
-// Of two copies of a landmark, kLandmark sqrt(1 - apart / kLandmarksApart): next to nothing else
-// counts until they are so far apart, and nothing from there on, or they would be left out and with
-// them some of the variance. Of copies that are cut, the root of the product of what shows.
-constexpr float kLandmark = 8, kLandmarksApart = 1.05f, kLeastShare = 0.02f;
-// Mismatch weighs so much where a landmark is cut.
-constexpr float kCut = 4;
 constexpr double kHeat = 0.3;
 
 std::size_t texelsOf(SizePx size) {
@@ -44,26 +38,6 @@ struct Rim {
   std::ptrdiff_t offset;  // in the source, in numbers
   const std::int16_t* shown;
   float weight;  // of its mismatch
-};
-
-// What a block at `place` shows of a landmark: its share and the middle of it, in the block.
-struct Part {
-  std::size_t landmark;
-  std::int32_t place;
-  float share, x, y;
-};
-
-// All of one landmark, four at a time; the last of them show nothing.
-struct Parts {
-  std::vector<std::int32_t> place = {};
-  std::vector<float> share = {}, x = {}, y = {};
-
-  void add(const Part& part) {
-    place.push_back(part.place);
-    share.push_back(part.share);
-    x.push_back(part.x);
-    y.push_back(part.y);
-  }
 };
 
 class Layout {
@@ -79,14 +53,16 @@ class Layout {
         rows_((target.height + block_ - 1) / block_),
         kept_(limits.kept.begin(), limits.kept.end()),
         shown_(limits.kept.begin(), limits.kept.end()),
-        weights_(texelsOf(source.size()), 1.0f),
         repeats_(texelsOf(source.size())) {
     shown_.resize(texelsOf(target), -1);
     for (int y = 0; y + block_ <= source.height; ++y)
       for (int x = 0; x + block_ <= source.width; ++x)
         if (holdsBlock(limits.usable, x, y)) places_.push_back(y * source.width + x);
     makeKernel();
-    if (limits.landmarks != nullptr) findLandmarks(*limits.landmarks);
+    if (limits.landmarks != nullptr)
+      landmarks_ = LayoutLandmarks(
+          *limits.landmarks, source.size(), block_, places_,
+          static_cast<float>(texelsOf(target)) / static_cast<float>(texelsOf(source.size())));
     mismatch_unit_ = varianceOfDifferences();
   }
 
@@ -139,54 +115,9 @@ class Layout {
       }
   }
 
-  void findLandmarks(const Landmarks& landmarks) {
-    std::vector<std::vector<float>> share(static_cast<std::size_t>(landmarks.count),
-                                          std::vector<float>(weights_.size()));
-    const SizePx size = landmarks.size;
-    std::vector<float> whole(share.size());
-    for (int y = 0; y < size.height; ++y)
-      for (int x = 0; x < size.width; ++x) {
-        const std::int32_t of = landmarks.at(x, y, size);
-        if (of < 0) continue;
-        const std::size_t at =
-            sourceIndex(0, x * source_.width / size.width, y * source_.height / size.height);
-        ++share[static_cast<std::size_t>(of)][at];
-        ++whole[static_cast<std::size_t>(of)];
-        weights_[at] = kCut;
-      }
-    parts_at_.resize(weights_.size());
-    for (std::size_t k = 0; k < share.size(); ++k) {
-      landmarks_.emplace_back();
-      for (const std::int32_t place : places_) {
-        const Part part = partOf(share[k], place);
-        if (part.share <= kLeastShare * whole[k]) continue;
-        const Part shown{k, place, part.share / whole[k], part.x, part.y};
-        landmarks_[k].add(shown);
-        parts_at_[static_cast<std::size_t>(place)].push_back(shown);
-      }
-      while (landmarks_[k].place.size() % 4 != 0) landmarks_[k].add({k, 0, 0, 0, 0});
-    }
-  }
-
   // (x, y) from `place`.
   std::size_t sourceIndex(std::int32_t place, int x, int y) const {
     return static_cast<std::size_t>(place + std::ptrdiff_t{y} * source_.width + x);
-  }
-
-  Part partOf(const std::vector<float>& share, std::int32_t place) const {
-    Part out{0, place, 0, 0, 0};
-    for (int j = 0; j < block_; ++j)
-      for (int i = 0; i < block_; ++i) {
-        const float v = share[sourceIndex(place, i, j)];
-        out.share += v;
-        out.x += v * static_cast<float>(i);
-        out.y += v * static_cast<float>(j);
-      }
-    if (out.share > 0) {
-      out.x /= out.share;
-      out.y /= out.share;
-    }
-    return out;
   }
 
   // Mean squared difference of two texels anywhere in the source.
@@ -208,6 +139,10 @@ class Layout {
   }
 
   void show(std::size_t b, Shown what) {
+    if (what == Shown::kBlock)
+      landmarks_.appear(blocks_[b]);
+    else
+      landmarks_.vanish(blocks_[b]);
     const int x0 = columnOf(b) * block_, y0 = rowOf(b) * block_;
     for (int y = y0; y < std::min(y0 + block_, target_.height); ++y)
       for (int x = x0; x < std::min(x0 + block_, target_.width); ++x)
@@ -220,6 +155,7 @@ class Layout {
     show(b, Shown::kNothing);
     findRim(b);
     countRepeats(b);
+    landmarks_.takeOwed(repeats_);
     const std::uint64_t key = hashSeed(seed_, 0x6d, b, static_cast<std::uint64_t>(sweep));
     std::int32_t best = blocks_[b];
     double least = heat * uniform(key) + cost(best, std::numeric_limits<double>::max());
@@ -257,7 +193,7 @@ class Layout {
         if (shown < 0) continue;
         rim_.push_back({i, j, (std::ptrdiff_t{j} * source_.width + i) * source_.channels,
                         source_.data + static_cast<std::ptrdiff_t>(shown) * source_.channels,
-                        weights_[static_cast<std::size_t>(shown)]});
+                        landmarks_.weight(static_cast<std::size_t>(shown))});
       }
   }
 
@@ -274,7 +210,8 @@ class Layout {
       if (!inside && (x + rim.x < 0 || y + rim.y < 0 || x + rim.x >= source_.width ||
                       y + rim.y >= source_.height))
         continue;
-      const float weight = std::max(rim.weight, weights_[sourceIndex(place, rim.x, rim.y)]);
+      const float weight =
+          std::max(rim.weight, landmarks_.weight(sourceIndex(place, rim.x, rim.y)));
       sum += weight * squaredDifference(corner + rim.offset, rim.shown);
       if (++count % 16 == 0 && sum >= enough) return most;
     }
@@ -310,7 +247,8 @@ class Layout {
                   column = (columnOf(b) + c + columns_) % columns_;
         const int block = row * columns_ + column;
         addRepeats(blocks_[static_cast<std::size_t>(block)], c, r);
-        addLandmarks(blocks_[static_cast<std::size_t>(block)], c, r);
+        landmarks_.addNear(blocks_[static_cast<std::size_t>(block)], c * block_, r * block_,
+                           repeats_);
       }
   }
 
@@ -342,31 +280,6 @@ class Layout {
     }
   }
 
-  // The same of landmarks, whichever part of them shows; not where both blocks go on in one copy.
-  void addLandmarks(std::int32_t place, int right, int below) {
-    const int tx = right * block_, ty = below * block_;
-    const float reach =
-        kLandmarksApart * static_cast<float>(std::min(source_.width, source_.height));
-    if (parts_at_.empty()) return;
-    const __m128 one = _mm_set1_ps(1), far = _mm_set1_ps(reach);
-    alignas(16) std::array<float, 4> costs;
-    for (const Part& there : parts_at_[static_cast<std::size_t>(place)]) {
-      const Parts& parts = landmarks_[there.landmark];
-      const __m128 x = _mm_set1_ps(static_cast<float>(tx) + there.x),
-                   y = _mm_set1_ps(static_cast<float>(ty) + there.y),
-                   share = _mm_set1_ps(there.share);
-      for (std::size_t i = 0; i < parts.place.size(); i += costs.size()) {
-        const __m128 across = x - _mm_loadu_ps(&parts.x[i]), down = y - _mm_loadu_ps(&parts.y[i]),
-                     near = one - _mm_sqrt_ps(across * across + down * down) / far;
-        _mm_store_ps(costs.data(), _mm_sqrt_ps(_mm_max_ps(near, _mm_setzero_ps()) * share *
-                                               _mm_loadu_ps(&parts.share[i])));
-        for (std::size_t k = 0; k < costs.size(); ++k)
-          if (parts.place[i + k] + ty * source_.width + tx != place)
-            repeats_[static_cast<std::size_t>(parts.place[i + k])] += kLandmark * costs[k];
-      }
-    }
-  }
-
   ImageView<const std::int16_t> source_;
   SizePx target_;
   bool wraps_;
@@ -376,10 +289,8 @@ class Layout {
   std::vector<std::int32_t> places_;        // where in the source a block may lie: its first texel
   std::vector<std::int32_t> blocks_;        // the place that each shows
   std::vector<Rim> rim_;                    // of the block that moves
-  std::vector<float> weights_;              // [h][w] of the source: of mismatch
-  std::vector<Parts> landmarks_;
-  std::vector<std::vector<Part>> parts_at_;  // by place in the source
-  std::vector<float> kernel_, repeats_;      // repeats_: of the block that moves, by its place
+  LayoutLandmarks landmarks_;
+  std::vector<float> kernel_, repeats_;  // repeats_: of the block that moves, by its place
   double mismatch_unit_ = 1;
 };
 

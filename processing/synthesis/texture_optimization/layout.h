@@ -2,11 +2,12 @@
 // Which part of the sample goes where: square blocks of a coarse level, laid so that they join and
 // no place is shown again nearby. A landmark that is seen twice at a glance gives the copying away,
 // however evenly the whole is used; what lies apart here stays apart on finer levels. Of a landmark
-// any part counts as the whole, and none is owed a copy.
+// any part counts as the whole, and as many copies are sought as even use would show.
 //
 // Every block in turn moves to the part of the sample that costs least beside what is there:
 //
-//   mismatch along its rim + repeats near by + landmarks near by + length of one copy + heat
+//   mismatch along its rim + repeats near by + landmarks near by - landmarks owed + length of one
+//   copy + heat
 //
 // Heat is noise that fades over the sweeps, so that early choices do not stay for good.
 #pragma once

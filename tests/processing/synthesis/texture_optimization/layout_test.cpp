@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "processing/image/random.h"
 
@@ -134,6 +135,31 @@ TEST(Layout, ShowsNothingThatIsNotUsable) {
   for (int y = 0; y < kSource; y += kBlock - 1)
     for (int x = 0; x < kSource; x += kBlock - 1) usable[indexOf(x, y, kSource)] = 0;
   EXPECT_TRUE(laid({.usable = usable}).empty());
+}
+
+// One of 3x3 texels, in a target that even use would show 16 of: as many as lie a side apart.
+TEST(Layout, ShowsALandmarkAsOftenAsItsCopiesLieApart) {
+  constexpr SizePx kLarge{4 * kSource, 4 * kSource};
+  Landmarks landmarks{.size = {kSource, kSource}, .count = 1};
+  landmarks.of.assign(kSource * kSource, -1);
+  for (int y = 14; y < 17; ++y)
+    for (int x = 10; x < 13; ++x) landmarks.of[indexOf(x, y, kSource)] = 0;
+  const std::int32_t middle = 15 * kSource + 11;
+  std::size_t copies = 0;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    const std::vector<std::int32_t> shown = laid({.landmarks = &landmarks}, seed, kLarge);
+    std::vector<std::pair<int, int>> at;
+    for (int y = 0; y < kLarge.height; ++y)
+      for (int x = 0; x < kLarge.width; ++x)
+        if (shown[indexOf(x, y, kLarge.width)] == middle) at.emplace_back(x, y);
+    copies += at.size();
+    for (std::size_t i = 0; i < at.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k)
+        EXPECT_GE(std::hypot(at[i].first - at[k].first, at[i].second - at[k].second),
+                  0.98 * kSource)
+            << seed;
+  }
+  EXPECT_GE(copies, 4 * 14u);  // 12 or 13 each where none is owed
 }
 
 TEST(Layout, LeavesWhatIsKept) {
