@@ -24,6 +24,8 @@ using lanes::Samples;
 
 constexpr float kWideSpecularWeight = 4;
 constexpr float kChromaWeight = 100;  // holds specular channels to their mean
+constexpr int kFewestBrighter = 2;    // one is a glint
+constexpr float kBrighterSigmas = 4, kBrighterShare = 0.05f;
 constexpr float kShadowedChromaWeight = 1 / (0.02f * 0.02f);  // of what many lamps do not reach
 constexpr float kBlack = 1e-4f;
 constexpr int kFewest = 4;
@@ -237,6 +239,21 @@ class Fitter {
     return fit;
   }
 
+  // Whether a shadow's edge halves a pixel alike under most lamps: the few that reach all of it are
+  // brighter than predicted then, which no shadow is.
+  bool isDivided(const Samples& s, const Estimate& at, int k) const {
+    if (!options_.deep_shadows) return false;
+    int brighter = 0;
+    for (std::size_t i = 0; i < s.count; ++i) {
+      if (!(s.noise[i][k] > 0)) continue;
+      const float m = s.m[i][k],
+                  predicted = at.kd[k] * s.a[i][k] + (at.ks[k] * (1 - m) + m) * s.g[i][k];
+      brighter += s.y[i][k] - predicted >
+                  kBrighterSigmas / std::sqrt(s.noise[i][k]) + kBrighterShare * predicted;
+    }
+    return brighter >= kFewestBrighter;
+  }
+
   // Levels that count over the diffuse part's irradiance.
   void keepLook(const Samples& s, int x, int y, int k) {
     float lit = 0;
@@ -265,7 +282,7 @@ class Fitter {
     counts.used += fit.used;
     counts.square += fit.square;
     state_.residual.at(x, y) = static_cast<float>(std::sqrt(fit.square / std::max(fit.used, 1)));
-    state_.told.at(x, y) = fit.used >= lanes::kFewestLit;
+    state_.told.at(x, y) = fit.used >= lanes::kFewestLit && !isDivided(s, at, k);
     state_.shadowed.at(x, y) = s.shadowed[k] > 0;
     state_.spread2.at(x, y) = static_cast<float>(fit.spread2(5));
     state_.misfit.at(x, y) = static_cast<float>(fit.misfit(5));

@@ -84,6 +84,21 @@ TEST(MultiLightFit, ACrackThatHalfOfTheLampsReachKeepsItsColour) {
   EXPECT_LT(rms(fit.maps.specular, truth.specular), 0.02);
 }
 
+// A cliff's edge: half of the pixel is in shadow of all lamps but four here and there.
+TEST(MultiLightFit, APixelThatAShadowDividesAlikeUnderMostLampsIsNotTold) {
+  LitSurface surface = lit(rollingMaps(32, 20, {0.03f, 0.6f}), Model::kGgx, dome(24), 0.001);
+  for (std::size_t i = 0; i < 24; ++i)
+    for (int y = 0; y < 20 && i % 6 != 5; ++y)
+      for (int c = 0; c < 3; ++c) surface.pictures[i].at(10, y, c) *= 0.5f;
+  MultiLightOptions options = calmOptions();
+  options.deep_shadows = true;
+  const MultiLightFit fit = fitOf(surface.samples, options);
+  for (int y = 0; y < 20; ++y) {
+    EXPECT_EQ(fit.told.at(10, y), 0) << y;
+    for (const int x : {0, 9, 11, 31}) EXPECT_EQ(fit.told.at(x, y), 1) << x << "," << y;
+  }
+}
+
 TEST(MultiLightFit, KnowsNearLampsByTheirPlaceAndFallOff) {
   const BrdfMaps truth = rollingMaps(32, 20, {0.15f, 0.3f});
   std::vector<SurfaceLight> lamps = dome(24);
