@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kIterations = 4;
 constexpr int kReweightings = 5, kMoreReweightings = 2;  // at first, in later iterations
-constexpr int kMeanPx = 9;                               // window of the local mean
-constexpr double kTukey = 2.5;     // residuals beyond it, in spreads, count nothing
-constexpr double kCore = 1.3;      // the biweight's covariance is that much too small
+constexpr int kMeanPx = 7;                               // window of the local mean
+constexpr double kTukey = 2;       // residuals beyond it, in spreads, count nothing
+constexpr double kCore = 1.3;      // most of what the biweight makes a covariance too small by
 constexpr double kNeighbours = 8;  // smoothed pixels that tell as much as one of their own
 constexpr float kFloor = 0.05f;    // of the mean: the dark does not become all noise
 constexpr double kSpacing_px[3] = {1, 0.5, 1};  // how well the mosaic places red, green, blue
@@ -152,30 +152,38 @@ void compare(const ColourPicture& reference, const ColourPicture& frame, const D
   }
 }
 
-Colours slopeOf(const Pair& pair, int x, int y, int dx, int dy) {
+Colours slopeOf(const Planes& planes, int x, int y, int dx, int dy) {
   Colours out{};
   for (std::size_t c = 0; c < 3; ++c)
-    out[c] =
-        0.25 *
-        (pair.reference[c].at<float>(y + dy, x + dx) - pair.reference[c].at<float>(y - dy, x - dx) +
-         pair.frame[c].at<float>(y + dy, x + dx) - pair.frame[c].at<float>(y - dy, x - dx));
+    out[c] = 0.5 * (planes[c].at<float>(y + dy, x + dx) - planes[c].at<float>(y - dy, x - dx));
   return out;
 }
 
-// What the pixel says of a displacement there.
+Colours middle(const Colours& a, const Colours& b) {
+  return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
+}
+
+// What the pixel says of a displacement there. Noise of the two is independent: products of one's
+// slopes with the other's have none of it.
 PixelSays saysAt(const Pair& pair, int x, int y) {
   const double weight = pair.weight.at<float>(y, x) / kNeighbours;
   if (weight <= 0) return {};
-  const Colours gx = slopeOf(pair, x, y, 1, 0), gy = slopeOf(pair, x, y, 0, 1),
-                e = at(pair.residual, x, y);
+  const Colours rx = slopeOf(pair.reference, x, y, 1, 0), ry = slopeOf(pair.reference, x, y, 0, 1),
+                fx = slopeOf(pair.frame, x, y, 1, 0), fy = slopeOf(pair.frame, x, y, 0, 1),
+                gx = middle(rx, fx), gy = middle(ry, fy), e = at(pair.residual, x, y);
   Symmetric covariance = pair.covariance;
   constexpr std::size_t kDiagonal[] = {0, 3, 5};
   for (std::size_t c = 0; c < 3; ++c)
     covariance[kDiagonal[c]] += kSpacing_px[c] * kSpacing_px[c] * (gx[c] * gx[c] + gy[c] * gy[c]);
   const Symmetric inverse = inverseOf(covariance);
-  return {weight * product(inverse, gx, gx), weight * product(inverse, gx, gy),
-          weight * product(inverse, gy, gy), -weight * product(inverse, gx, e),
-          -weight * product(inverse, gy, e)};
+  return {weight * product(inverse, gx, gx),
+          weight * product(inverse, gx, gy),
+          weight * product(inverse, gy, gy),
+          -weight * product(inverse, gx, e),
+          -weight * product(inverse, gy, e),
+          weight * product(inverse, rx, fx),
+          weight / 2 * (product(inverse, rx, fy) + product(inverse, ry, fx)),
+          weight * product(inverse, ry, fy)};
 }
 
 double znccOf(const Pair& pair) {

@@ -33,9 +33,10 @@ ColourPicture laidOver(const ColourPicture& picture, const Deformation& field);
 // the inverse of e's own covariance over the colours: a spot that comes or a halo ahead of it has a
 // colour of its own, motion that of the surface. Residuals far out (Tukey's biweight) count
 // nothing. The place of sharp detail is known no better than the mosaic samples it, red and blue
-// worse than green. The field is bilinear between its points; it leaves the field it had by as
-// little bending as fits (second differences). Gauss-Newton and conjugate gradients. Follows a
-// pixel or two. O(pixels x references); multi-threaded; the same for any number of threads.
+// worse than green. Slopes that only one of the two shows, as those of noise, tell nothing, however
+// steep (displacement_grid.h). The field is bilinear between its points; it leaves the field it had
+// by as little bending as fits (second differences). Gauss-Newton and conjugate gradients. Follows
+// a pixel or two. O(pixels x references); multi-threaded; the same for any number of threads.
 std::vector<double> refineDeformation(const std::vector<const ColourPicture*>& references,
                                       const ColourPicture& frame, Deformation& field,
                                       Progress& progress);

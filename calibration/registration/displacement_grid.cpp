@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/registration/displacement_grid.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +10,9 @@
 namespace patina::calibration {
 namespace {
 
-constexpr double kBending = 5;  // 1/px^2: half a pixel of bending is nothing odd
-constexpr double kHeld = 1e-3;  // 1/px^2: where nothing is said a point stays
+constexpr double kBending = 100;      // 1/px^2: a tenth of a pixel of bending is nothing odd
+constexpr double kHeld = 1e-3;        // 1/px^2: where nothing is said a point stays
+constexpr double kLeastShared = 0.1;  // less is not told from noise in a cell
 constexpr int kSteps = 200;
 constexpr double kDone = 1e-12;  // of the squared right side
 
@@ -18,6 +20,16 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
   return sum;
+}
+
+// C H^-1, by generalised eigenvectors, C v = share H v, each share held to what can be.
+Eigen::Matrix2d sharedOf(const PixelSays& sum) {
+  const double least = 1e-9 * (sum.xx + sum.yy);
+  const Eigen::Matrix2d h{{sum.xx + least, sum.xy}, {sum.xy, sum.yy + least}},
+      c{{sum.shared_xx, sum.shared_xy}, {sum.shared_xy, sum.shared_yy}};
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> both(c, h);
+  const Eigen::Vector2d shares = both.eigenvalues().cwiseMax(kLeastShared).cwiseMin(1.0);
+  return h * both.eigenvectors() * shares.asDiagonal() * both.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -37,6 +49,36 @@ std::array<std::size_t, 8> DisplacementGrid::unknownsOf(int i, int j) const {
   return out;
 }
 
+void DisplacementGrid::addPixel(const PixelSays& says, double fx, double fy, Cell& cell) {
+  const double shares[] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+  for (std::size_t p = 0; p < 4; ++p) {
+    cell.r[2 * p] += shares[p] * says.x, cell.r[2 * p + 1] += shares[p] * says.y;
+    for (std::size_t q = 0; q < 4; ++q) {
+      const double both = shares[p] * shares[q];
+      cell.h[16 * p + 2 * q] += both * says.xx, cell.h[16 * p + 2 * q + 1] += both * says.xy;
+      cell.h[16 * p + 8 + 2 * q] += both * says.xy;
+      cell.h[16 * p + 8 + 2 * q + 1] += both * says.yy;
+    }
+  }
+  cell.sum.xx += says.xx, cell.sum.xy += says.xy, cell.sum.yy += says.yy;
+  cell.sum.shared_xx += says.shared_xx, cell.sum.shared_xy += says.shared_xy;
+  cell.sum.shared_yy += says.shared_yy;
+}
+
+void DisplacementGrid::weigh(Cell& cell) {
+  const Eigen::Matrix2d share = sharedOf(cell.sum);
+  for (std::size_t p = 0; p < 4; ++p) {
+    Eigen::Map<Eigen::Vector2d> r(&cell.r[2 * p]);
+    r = (share * r).eval();
+    for (std::size_t q = 0; q < 4; ++q) {
+      double* h = &cell.h[16 * p + 2 * q];
+      const Eigen::Matrix2d kept =
+          share * Eigen::Matrix2d{{h[0], h[1]}, {h[8], h[9]}} * share.transpose();
+      h[0] = kept(0, 0), h[1] = kept(0, 1), h[8] = kept(1, 0), h[9] = kept(1, 1);
+    }
+  }
+}
+
 void DisplacementGrid::add(SizePx picture, const std::function<PixelSays(int x, int y)>& says) {
   const int columns = points_.width - 1, rows = points_.height - 1;
   const auto begin = [&](int cell) { return std::max(1, cell * spacing_px_); };
@@ -45,24 +87,19 @@ void DisplacementGrid::add(SizePx picture, const std::function<PixelSays(int x, 
   };
   forEachRow(rows, std::int64_t{1} << 16, [&](int j) {
     for (int i = 0; i < columns; ++i) {
-      Cell& cell = cells_[static_cast<std::size_t>(j) * columns + i];
+      Cell cell;
       for (int y = begin(j); y < end(j, rows, picture.height); ++y)
         for (int x = begin(i); x < end(i, columns, picture.width); ++x) {
           const PixelSays s = says(x, y);
           if (s.xx + s.yy <= 0) continue;
-          const double fx = std::min(static_cast<double>(x) / spacing_px_ - i, 1.0),
-                       fy = std::min(static_cast<double>(y) / spacing_px_ - j, 1.0);
-          const double shares[] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-          for (std::size_t p = 0; p < 4; ++p) {
-            cell.r[2 * p] += shares[p] * s.x, cell.r[2 * p + 1] += shares[p] * s.y;
-            for (std::size_t q = 0; q < 4; ++q) {
-              const double both = shares[p] * shares[q];
-              cell.h[16 * p + 2 * q] += both * s.xx, cell.h[16 * p + 2 * q + 1] += both * s.xy;
-              cell.h[16 * p + 8 + 2 * q] += both * s.xy;
-              cell.h[16 * p + 8 + 2 * q + 1] += both * s.yy;
-            }
-          }
+          addPixel(s, std::min(static_cast<double>(x) / spacing_px_ - i, 1.0),
+                   std::min(static_cast<double>(y) / spacing_px_ - j, 1.0), cell);
         }
+      if (cell.sum.xx + cell.sum.yy <= 0) continue;
+      weigh(cell);
+      Cell& said = cells_[static_cast<std::size_t>(j) * columns + i];
+      for (std::size_t k = 0; k < cell.h.size(); ++k) said.h[k] += cell.h[k];
+      for (std::size_t k = 0; k < cell.r.size(); ++k) said.r[k] += cell.r[k];
     }
   });
 }

@@ -8,7 +8,7 @@ namespace {
 
 // What a pixel says that wants to be displaced by (x, y), however much it is asked.
 PixelSays wants(double x, double y, double how_much) {
-  return {how_much, 0, how_much, how_much * x, how_much * y};
+  return {how_much, 0, how_much, how_much * x, how_much * y, how_much, 0, how_much};
 }
 
 TEST(DisplacementGrid, FindsAFieldThatIsBilinear) {
@@ -21,6 +21,20 @@ TEST(DisplacementGrid, FindsAFieldThatIsBilinear) {
       EXPECT_NEAR(field.at(i, j, 0), 0.02 * 16 * i - 0.3, 1e-3);
       EXPECT_NEAR(field.at(i, j, 1), 0.01 * 16 * j + 0.5, 1e-3);
     }
+}
+
+// Half of the slopes across and nearly all of those along are noise.
+TEST(DisplacementGrid, CountsSlopesByWhatOfThemBothPicturesShow) {
+  Image<float> field(3, 3, 2);
+  DisplacementGrid grid({3, 3}, 16);
+  grid.add({33, 33}, [](int, int) {
+    const PixelSays across = wants(0, 0.4, 500);
+    return PixelSays{1000, 0, 1000, 0, across.y, 0, 0, across.yy};
+  });
+  grid.add({33, 33}, [](int, int) { return wants(0.3, 0.4, 100); });
+  grid.solve(field, field);
+  EXPECT_NEAR(field.at(1, 1, 1), 0.4, 1e-3) << "not half of it";
+  EXPECT_NEAR(field.at(1, 1, 0), 0.3, 0.03) << "held back by noise along the grain";
 }
 
 TEST(DisplacementGrid, GoesOnStraightWhereNothingIsSaid) {
