@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "processing/brdf/multi_light_fit.h"
@@ -16,19 +17,23 @@ struct alignas(64) Lane {
   float operator[](int k) const { return v[k]; }
 };
 
-// All pictures' levels and light at sixteen texels. [sample]
+// A picture's levels and light at sixteen texels.
+struct Light {
+  Lane lx, ly, lz, hx, hy, hz, v_h;    // unit directions to the light, halfway
+  Lane half;                           // 1 / |l + v|
+  Lane m;                              // Schlick's weight; 0 for models without
+  Lane e;                              // irradiance across the rays
+  Lane y;                              // level, mean of the channels
+  Lane noise;                          // 1 / sigma^2; 0: clipped or unknown
+  Lane weight;                         // noise times what the residual says
+  Lane a, g, a_1, a_2, g_1, g_2, g_u;  // scratch: diffuse part, lobe and their slopes, times E
+  Vec3 view;
+};
 struct Samples {
-  explicit Samples(std::size_t count);
+  explicit Samples(std::size_t n) : count(n), light(n) {}
   std::size_t count;
-  std::vector<Lane> lx, ly, lz, hx, hy, hz, v_h;  // unit directions to the light, halfway
-  std::vector<Lane> m;                            // Schlick's weight; 0 for models without
-  std::vector<Lane> e;                            // irradiance across the rays
-  std::vector<Lane> y;                            // level, mean of the channels
-  std::vector<Lane> noise;                        // 1 / sigma^2; 0: clipped or unknown
-  std::vector<Lane> weight;                       // noise times what the residual says
-  std::vector<Vec3> view;
+  std::vector<Light> light;  // of each picture
   Lane shadowed;  // above 0: from many lamps, so what lies below the prediction is shadow
-  std::vector<Lane> a, g, g_1, g_2, g_u;  // scratch: diffuse part, lobe and its slopes, times E
 };
 
 // What the nonlinear part looks for, and the linear one that goes with it.
@@ -58,15 +63,15 @@ Tangents tangentsOf(const Estimate& at);
 inline void solveLinear(float aa, float ab, float bb, float ay, float by, float& kd, float& ks) {
   const float det = aa * bb - ab * ab;
   const bool regular = det > 1e-6f * aa * bb;
-  const float d = regular ? (bb * ay - ab * by) / det : -1.0f;
-  const float s = regular ? (aa * by - ab * ay) / det : -1.0f;
-  const float d_alone = aa > 0 ? std::max(ay / aa, 0.0f) : 0.0f;
-  const float s_alone = bb > 0 ? std::max(by / bb, 0.0f) : 0.0f;
+  const float divisor = regular ? det : 1.0f;
+  const float d = (bb * ay - ab * by) / divisor, s = (aa * by - ab * ay) / divisor;
+  const float d_alone = std::max(ay, 0.0f) / (aa > 0 ? aa : HUGE_VALF);
+  const float s_alone = std::max(by, 0.0f) / (bb > 0 ? bb : HUGE_VALF);
   // The single part that explains more: its drop of the cost is the product below.
-  const bool diffuse = d_alone * ay >= s_alone * by;
-  const bool both = d >= 0 && s >= 0;
-  kd = both ? d : (diffuse ? d_alone : 0.0f);
-  ks = both ? s : (diffuse ? 0.0f : s_alone);
+  const bool diffuse = d_alone * ay >= s_alone * by, both = regular & (d >= 0) & (s >= 0);
+  const float d_one = diffuse ? d_alone : 0.0f, s_one = diffuse ? 0.0f : s_alone;
+  kd = both ? d : d_one;
+  ks = both ? s : s_one;
 }
 
 // Solves kd and ks at `at` (which receives them) and fills `out`; of the cost alone, its slopes

@@ -13,7 +13,7 @@ FitTile::FitTile(const std::vector<FitSample>& samples, const MultiLightOptions&
       size_(samples[0].picture.size()),
       channels_(samples[0].picture.channels),
       lanes_(samples.size()) {
-  for (std::size_t i = 0; i < samples.size(); ++i) lanes_.view[i] = samples[i].view;
+  for (std::size_t i = 0; i < samples.size(); ++i) lanes_.light[i].view = samples[i].view;
 }
 
 void FitTile::load(int x0, int y) {
@@ -34,20 +34,23 @@ void FitTile::load(int x0, int y) {
 }
 
 void FitTile::put(std::size_t i, int k, const LightRay& ray) {
-  lanes_.lx[i][k] = ray.l.x;
-  lanes_.ly[i][k] = ray.l.y;
-  lanes_.lz[i][k] = ray.l.z;
-  lanes_.hx[i][k] = ray.h.x;
-  lanes_.hy[i][k] = ray.h.y;
-  lanes_.hz[i][k] = ray.h.z;
-  lanes_.v_h[i][k] = ray.v_h;
-  lanes_.m[i][k] = options_.model == Model::kGgx ? schlickWeight(ray.v_h) : 0.0f;
-  lanes_.e[i][k] = ray.irradiance;
+  lanes::Light& to = lanes_.light[i];
+  to.lx[k] = ray.l.x;
+  to.ly[k] = ray.l.y;
+  to.lz[k] = ray.l.z;
+  to.hx[k] = ray.h.x;
+  to.hy[k] = ray.h.y;
+  to.hz[k] = ray.h.z;
+  to.v_h[k] = ray.v_h;
+  to.half[k] = 0.5f / ray.v_h;
+  to.m[k] = options_.model == Model::kGgx ? schlickWeight(ray.v_h) : 0.0f;
+  to.e[k] = ray.irradiance;
 }
 
 void FitTile::putLevel(std::size_t i, int k, std::span<const float> texel) {
+  lanes::Light& to = lanes_.light[i];
   float sum = 0;
-  bool usable = lanes_.e[i][k] > 0;
+  bool usable = to.e[k] > 0;
   for (const float v : texel) {
     usable = usable && v < options_.saturated && v > -1.0f;  // NaN fails both
     sum += v;
@@ -57,8 +60,8 @@ void FitTile::putLevel(std::size_t i, int k, std::span<const float> texel) {
   const float above = std::max(level, 0.0f);
   const float variance =
       noise.floor * noise.floor + noise.shot * above + noise.gain * noise.gain * above * above;
-  lanes_.y[i][k] = level;
-  lanes_.noise[i][k] = usable ? 1 / variance : 0;
+  to.y[k] = level;
+  to.noise[k] = usable ? 1 / variance : 0;
 }
 
 }  // namespace patina::brdf

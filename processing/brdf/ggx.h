@@ -39,20 +39,43 @@ inline float schlickWeight(float v_h) {
 }
 inline float schlickFresnel(float f0, float v_h) { return f0 + (1.0f - f0) * schlickWeight(v_h); }
 
+// What the lobe of a texel seen from one side has together under all lights; a2 = alpha^2.
+struct GgxTexel {
+  float n_v, a2, rest, root_v, inverse_root_v;  // rest = 1 - a2
+  float strength, leant, half_n_v, half_off;    // products of those
+};
+inline GgxTexel ggxTexel(float n_v, float alpha) {
+  const float a2 = alpha * alpha, rest = 1.0f - a2, root_v = std::sqrt(n_v * n_v * rest + a2);
+  const float inverse = 1.0f / root_v;
+  return {n_v,        a2,         rest,
+          root_v,     inverse,    0.5f * kInversePi * a2,
+          n_v * rest, 0.5f * n_v, 0.5f * (1.0f - n_v * n_v) * inverse};
+}
+// What takes long of a light: a root, and the one division that all that is divided by shares.
+struct GgxLight {
+  float root_l, inverse;
+};
+inline GgxLight ggxLight(const GgxTexel& t, float n_l, float n_h) {
+  const float root_l = std::sqrt(n_l * n_l * t.rest + t.a2);
+  const float s = t.n_v * root_l + n_l * t.root_v, q = 1.0f - n_h * n_h * t.rest;
+  return {root_l, 1.0f / (q * s * root_l)};
+}
+
 // D V with its derivatives; F is left out.
+inline Lobe ggxLobe(const GgxTexel& t, const GgxLight& l, float n_l, float n_h) {
+  const float nh2 = n_h * n_h, q = 1.0f - nh2 * t.rest;
+  const float s = t.n_v * l.root_l + n_l * t.root_v, inverse_qs = l.inverse * l.root_l;
+  const float inverse_root_l = l.inverse * (q * s), inverse_q = inverse_qs * s,
+              inverse_s = inverse_qs * q;
+  const float f = t.strength * inverse_q * inverse_qs, fs = -f * inverse_s;
+  const float both = t.leant * n_l, four = 4.0f * inverse_q;
+  const float by_a2 = t.half_n_v * (1.0f - n_l * n_l) * inverse_root_l + n_l * t.half_off;
+  return {f, fs * (both * inverse_root_l + t.root_v), fs * (both * t.inverse_root_v + l.root_l),
+          f * t.rest * (n_h * four), f * (2.0f - t.a2 * (nh2 * four + 2.0f * (inverse_s * by_a2)))};
+}
 inline Lobe ggxLobe(const LobeCosines& c, float alpha) {
-  const float a2 = alpha * alpha, rest = 1.0f - a2, nh2 = c.n_h * c.n_h;
-  const float q = 1.0f - nh2 * rest, inverse_q = 1.0f / q;
-  const float root_l = std::sqrt(c.n_l * c.n_l * rest + a2);
-  const float root_v = std::sqrt(c.n_v * c.n_v * rest + a2);
-  const float inverse_s = 1.0f / (c.n_v * root_l + c.n_l * root_v + 1e-20f);
-  const float f = a2 * kInversePi * inverse_q * inverse_q * 0.5f * inverse_s;
-  const float to_l = c.n_l / root_l, to_v = c.n_v / root_v;
-  const float s_by_l = c.n_v * rest * to_l + root_v, s_by_v = c.n_l * rest * to_v + root_l;
-  const float s_by_a2 =
-      0.5f * (c.n_v * (1.0f - c.n_l * c.n_l) / root_l + c.n_l * (1.0f - c.n_v * c.n_v) / root_v);
-  return {f, -f * inverse_s * s_by_l, -f * inverse_s * s_by_v, f * 4.0f * rest * c.n_h * inverse_q,
-          2.0f * alpha * f * (1.0f / a2 - 2.0f * nh2 * inverse_q - inverse_s * s_by_a2)};
+  const GgxTexel texel = ggxTexel(c.n_v, alpha);
+  return ggxLobe(texel, ggxLight(texel, c.n_l, c.n_h), c.n_l, c.n_h);
 }
 
 // Zero when l or v is below the surface.

@@ -2,6 +2,8 @@
 // The inner loops of the fit. Plain loops over lanes: the compiler makes vectors of them, for each
 // of the instruction sets below, and no path adds in another order than the next.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "processing/brdf/fit_lanes.h"
@@ -21,113 +23,209 @@ namespace {
 
 constexpr float kGrazing = 1e-3f;  // cosines are not below
 
+// Of each model what a texel and a view give for all lights, what takes long of a light, and the
+// lobe: apart, so that processors find something to do while they divide.
 struct Ggx {
-  static PATINA_INLINE Lobe at(const LobeCosines& c, float r) { return ggxLobe(c, r); }
+  using Texel = GgxTexel;
+  using Light = GgxLight;
+  static PATINA_INLINE Texel texel(float n_v, float r) { return ggxTexel(n_v, r); }
+  static PATINA_INLINE Light light(const Texel& t, float n_l, float n_h) {
+    return ggxLight(t, n_l, n_h);
+  }
+  static PATINA_INLINE Lobe at(const Texel& t, const Light& light, const LobeCosines& c) {
+    return ggxLobe(t, light, c.n_l, c.n_h);
+  }
+};
+struct Roughness {
+  float n_v, r;
+};
+struct Nothing {
+  float none = 0;
 };
 struct Ward {
-  static PATINA_INLINE Lobe at(const LobeCosines& c, float r) { return wardLobe(c, r); }
+  using Texel = Roughness;
+  using Light = Nothing;
+  static PATINA_INLINE Texel texel(float n_v, float r) { return {n_v, r}; }
+  static PATINA_INLINE Light light(const Texel&, float, float) { return {}; }
+  static PATINA_INLINE Lobe at(const Texel& t, const Light&, const LobeCosines& c) {
+    return wardLobe(c, t.r);
+  }
 };
 struct TorranceSparrow {
-  static PATINA_INLINE Lobe at(const LobeCosines& c, float r) { return torranceSparrowLobe(c, r); }
+  using Texel = Roughness;
+  using Light = Nothing;
+  static PATINA_INLINE Texel texel(float n_v, float r) { return {n_v, r}; }
+  static PATINA_INLINE Light light(const Texel&, float, float) { return {}; }
+  static PATINA_INLINE Lobe at(const Texel& t, const Light&, const LobeCosines& c) {
+    return torranceSparrowLobe(c, t.r);
+  }
 };
 
-PATINA_INLINE float limited(float cosine) { return std::min(std::max(cosine, kGrazing), 1.0f); }
+PATINA_INLINE float limited(float cosine) { return std::max(cosine, kGrazing); }
 
-// First pass: lobes, and the sums that kd and ks come from.
+// Lanes of a struct of floats.
+template <class T>
+struct Lanes {
+  static constexpr std::size_t kParts = sizeof(T) / sizeof(float);
+  Lane part[kParts];
+  PATINA_INLINE void put(int k, const T& value) {
+    const auto parts = std::bit_cast<std::array<float, kParts>>(value);
+    for (std::size_t p = 0; p < kParts; ++p) part[p].v[k] = parts[p];
+  }
+  PATINA_INLINE T at(int k) const {
+    std::array<float, kParts> parts;
+    for (std::size_t p = 0; p < kParts; ++p) parts[p] = part[p].v[k];
+    return std::bit_cast<T>(parts);
+  }
+};
+
+template <class Model>
+struct View {
+  Lane n_v, v_1, v_2;  // along the normal and its tangents
+  Lanes<typename Model::Texel> texel;
+};
+template <class Model>
+PATINA_INLINE void look(const Vec3& v, const Estimate& at, const Tangents& t, View<Model>& view) {
+  PATINA_LANES
+  for (int k = 0; k < kLanes; ++k) {
+    const float n_v = at.nx.v[k] * v.x + at.ny.v[k] * v.y + at.nz.v[k] * v.z;
+    view.n_v.v[k] = n_v;
+    view.v_1.v[k] = t.x1.v[k] * v.x + t.z1.v[k] * v.z;
+    view.v_2.v[k] = t.x2.v[k] * v.x + t.y2.v[k] * v.y + t.z2.v[k] * v.z;
+    view.texel.put(k, Model::texel(limited(n_v), exp2Inline(1.44269504f * at.u.v[k])));
+  }
+}
+
+PATINA_INLINE bool same(const Vec3& a, const Vec3& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+// Diffuse parts and lobes, and how they change. h = (l + v) / |l + v|, so what the half vector does
+// follows from light and view.
 template <class Model, bool kSlopes>
-PATINA_INLINE void lobes(Samples& s, const Estimate& at, const Tangents& t, Lane (&sums)[5]) {
+PATINA_INLINE void lobes(Samples& s, const Estimate& at, const Tangents& t) {
+  View<Model> view;
   for (std::size_t i = 0; i < s.count; ++i) {
-    const Lane &lx = s.lx[i], &ly = s.ly[i], &lz = s.lz[i], &hx = s.hx[i], &hy = s.hy[i],
-               &hz = s.hz[i], &v_h = s.v_h[i], &m = s.m[i], &e = s.e[i], &y = s.y[i],
-               &weight = s.weight[i];
-    Lane &a = s.a[i], &g = s.g[i], &g_1 = s.g_1[i], &g_2 = s.g_2[i], &g_u = s.g_u[i];
-    const Vec3 v = s.view[i];
+    Light& light = s.light[i];
+    if (i == 0 || !same(light.view, s.light[i - 1].view)) look<Model>(light.view, at, t, view);
+    Lane n_l, n_h;
+    Lanes<typename Model::Light> slow;
     PATINA_LANES
     for (int k = 0; k < kLanes; ++k) {
-      const float nx = at.nx.v[k], ny = at.ny.v[k], nz = at.nz.v[k];
-      const float r = exp2Inline(1.44269504f * at.u.v[k]);
-      const float n_l = limited(nx * lx.v[k] + ny * ly.v[k] + nz * lz.v[k]);
-      const float n_v = limited(nx * v.x + ny * v.y + nz * v.z);
-      const float n_h = limited(nx * hx.v[k] + ny * hy.v[k] + nz * hz.v[k]);
-      const Lobe lobe = Model::at({n_l, n_v, n_h, v_h.v[k]}, r);
-      const float scale = kPi * e.v[k], diffuse = e.v[k] * n_l, gloss = scale * lobe.value * n_l;
-      a.v[k] = diffuse;
-      g.v[k] = gloss;
+      const float to_l =
+          at.nx.v[k] * light.lx.v[k] + at.ny.v[k] * light.ly.v[k] + at.nz.v[k] * light.lz.v[k];
+      n_l.v[k] = limited(to_l);
+      n_h.v[k] = limited((to_l + view.n_v.v[k]) * light.half.v[k]);
+    }
+    PATINA_LANES
+    for (int k = 0; k < kLanes; ++k)
+      slow.put(k, Model::light(view.texel.at(k), n_l.v[k], n_h.v[k]));
+    PATINA_LANES
+    for (int k = 0; k < kLanes; ++k) {
+      const auto texel = view.texel.at(k);
+      const LobeCosines c{n_l.v[k], texel.n_v, n_h.v[k], light.v_h.v[k]};
+      const Lobe lobe = Model::at(texel, slow.at(k), c);
+      const float e = light.e.v[k], half = light.half.v[k], diffuse = e * c.n_l;
+      light.a.v[k] = diffuse;
+      light.g.v[k] = kPi * diffuse * lobe.value;
       if (kSlopes) {
-        const float l1 = t.x1.v[k] * lx.v[k] + t.y1.v[k] * ly.v[k] + t.z1.v[k] * lz.v[k];
-        const float l2 = t.x2.v[k] * lx.v[k] + t.y2.v[k] * ly.v[k] + t.z2.v[k] * lz.v[k];
-        const float h1 = t.x1.v[k] * hx.v[k] + t.y1.v[k] * hy.v[k] + t.z1.v[k] * hz.v[k];
-        const float h2 = t.x2.v[k] * hx.v[k] + t.y2.v[k] * hy.v[k] + t.z2.v[k] * hz.v[k];
-        const float v1 = t.x1.v[k] * v.x + t.y1.v[k] * v.y + t.z1.v[k] * v.z;
-        const float v2 = t.x2.v[k] * v.x + t.y2.v[k] * v.y + t.z2.v[k] * v.z;
-        const float by_l = lobe.by_n_l * n_l + lobe.value;
-        g_1.v[k] = scale * (by_l * l1 + n_l * (lobe.by_n_v * v1 + lobe.by_n_h * h1));
-        g_2.v[k] = scale * (by_l * l2 + n_l * (lobe.by_n_v * v2 + lobe.by_n_h * h2));
-        g_u.v[k] = scale * n_l * lobe.by_r * r;
+        const float x = light.lx.v[k], y = light.ly.v[k], z = light.lz.v[k];
+        const float l1 = t.x1.v[k] * x + t.z1.v[k] * z;
+        const float l2 = t.x2.v[k] * x + t.y2.v[k] * y + t.z2.v[k] * z;
+        const float by_h = lobe.by_n_h * half, scale = kPi * e;
+        const float by_l = scale * (c.n_l * (lobe.by_n_l + by_h) + lobe.value);
+        const float by_v = scale * (c.n_l * (lobe.by_n_v + by_h));
+        light.a_1.v[k] = e * l1;
+        light.a_2.v[k] = e * l2;
+        light.g_1.v[k] = by_l * l1 + by_v * view.v_1.v[k];
+        light.g_2.v[k] = by_l * l2 + by_v * view.v_2.v[k];
+        light.g_u.v[k] = kPi * diffuse * lobe.by_log_r;
       }
-      const float w = weight.v[k], b = (1.0f - m.v[k]) * gloss, rest = y.v[k] - m.v[k] * gloss;
-      sums[0].v[k] += w * diffuse * diffuse;
-      sums[1].v[k] += w * diffuse * b;
-      sums[2].v[k] += w * b * b;
-      sums[3].v[k] += w * diffuse * rest;
-      sums[4].v[k] += w * b * rest;
+    }
+  }
+}
+
+// The sums that kd and ks come from.
+PATINA_INLINE void linearSums(const Samples& s, Lane (&sums)[5]) {
+  for (const Light& light : s.light) {
+    PATINA_LANES
+    for (int k = 0; k < kLanes; ++k) {
+      const float a = light.a.v[k], g = light.g.v[k], held = light.m.v[k] * g;
+      const float b = g - held, rest = light.y.v[k] - held;
+      const float wa = light.weight.v[k] * a, wb = light.weight.v[k] * b;
+      sums[0].v[k] += wa * a;
+      sums[1].v[k] += wa * b;
+      sums[2].v[k] += wb * b;
+      sums[3].v[k] += wa * rest;
+      sums[4].v[k] += wb * rest;
     }
   }
 }
 
 PATINA_INLINE void costAlone(const Samples& s, const Estimate& at, Lane& cost) {
-  for (std::size_t i = 0; i < s.count; ++i) {
-    const Lane &m = s.m[i], &y = s.y[i], &weight = s.weight[i], &a = s.a[i], &g = s.g[i];
+  for (const Light& light : s.light) {
     PATINA_LANES
     for (int k = 0; k < kLanes; ++k) {
-      const float strength = at.ks.v[k] * (1.0f - m.v[k]) + m.v[k];
-      const float off = y.v[k] - at.kd.v[k] * a.v[k] - strength * g.v[k];
-      cost.v[k] += weight.v[k] * off * off;
+      const float strength = at.ks.v[k] * (1.0f - light.m.v[k]) + light.m.v[k];
+      const float off = light.y.v[k] - at.kd.v[k] * light.a.v[k] - strength * light.g.v[k];
+      cost.v[k] += light.weight.v[k] * off * off;
     }
   }
 }
 
-// Second pass: residuals against slopes.
-PATINA_INLINE void slopes(const Samples& s, const Estimate& at, const Tangents& t, Equations& q) {
-  for (std::size_t i = 0; i < s.count; ++i) {
-    const Lane &lx = s.lx[i], &ly = s.ly[i], &lz = s.lz[i], &m = s.m[i], &e = s.e[i], &y = s.y[i],
-               &weight = s.weight[i], &a = s.a[i], &g = s.g[i], &g_1 = s.g_1[i], &g_2 = s.g_2[i],
-               &g_u = s.g_u[i];
-    PATINA_LANES
-    for (int k = 0; k < kLanes; ++k) {
-      const float l1 = t.x1.v[k] * lx.v[k] + t.y1.v[k] * ly.v[k] + t.z1.v[k] * lz.v[k];
-      const float l2 = t.x2.v[k] * lx.v[k] + t.y2.v[k] * ly.v[k] + t.z2.v[k] * lz.v[k];
-      const float strength = at.ks.v[k] * (1.0f - m.v[k]) + m.v[k];
-      const float off = y.v[k] - at.kd.v[k] * a.v[k] - strength * g.v[k];
-      const float d = at.kd.v[k] * e.v[k], w = weight.v[k], b = (1.0f - m.v[k]) * g.v[k];
-      const float s1 = d * l1 + strength * g_1.v[k], s2 = d * l2 + strength * g_2.v[k],
-                  su = strength * g_u.v[k];
-      const float w1 = w * s1, w2 = w * s2, wu = w * su;
-      q.cost.v[k] += w * off * off;
-      q.h11.v[k] += w1 * s1;
-      q.h12.v[k] += w1 * s2;
-      q.h1u.v[k] += w1 * su;
-      q.h22.v[k] += w2 * s2;
-      q.h2u.v[k] += w2 * su;
-      q.huu.v[k] += wu * su;
-      q.b1.v[k] += w1 * off;
-      q.b2.v[k] += w2 * off;
-      q.bu.v[k] += wu * off;
-      q.a1.v[k] += w1 * a.v[k];
-      q.a2.v[k] += w2 * a.v[k];
-      q.au.v[k] += wu * a.v[k];
-      q.g1.v[k] += w1 * b;
-      q.g2.v[k] += w2 * b;
-      q.gu.v[k] += wu * b;
-    }
+// What a light adds to the equations.
+struct Slopes {
+  float off, w_off, a, b, s1, s2, su, w1, w2, wu;
+};
+PATINA_INLINE Slopes slopesOf(const Light& light, const Estimate& at, int k) {
+  const float m = light.m.v[k], a = light.a.v[k], g = light.g.v[k], w = light.weight.v[k];
+  const float kd = at.kd.v[k], left = 1.0f - m, strength = at.ks.v[k] * left + m;
+  const float off = light.y.v[k] - kd * a - strength * g;
+  const float s1 = kd * light.a_1.v[k] + strength * light.g_1.v[k],
+              s2 = kd * light.a_2.v[k] + strength * light.g_2.v[k], su = strength * light.g_u.v[k];
+  return {off, w * off, a, left * g, s1, s2, su, w * s1, w * s2, w * su};
+}
+PATINA_INLINE void addSlopes(const Light& first, const Light& second, const Estimate& at,
+                             Equations& q) {
+  PATINA_LANES
+  for (int k = 0; k < kLanes; ++k) {
+    const Slopes p = slopesOf(first, at, k), n = slopesOf(second, at, k);
+    q.cost.v[k] += p.w_off * p.off + n.w_off * n.off;
+    q.h11.v[k] += p.w1 * p.s1 + n.w1 * n.s1;
+    q.h12.v[k] += p.w1 * p.s2 + n.w1 * n.s2;
+    q.h1u.v[k] += p.w1 * p.su + n.w1 * n.su;
+    q.h22.v[k] += p.w2 * p.s2 + n.w2 * n.s2;
+    q.h2u.v[k] += p.w2 * p.su + n.w2 * n.su;
+    q.huu.v[k] += p.wu * p.su + n.wu * n.su;
+    q.b1.v[k] += p.w1 * p.off + n.w1 * n.off;
+    q.b2.v[k] += p.w2 * p.off + n.w2 * n.off;
+    q.bu.v[k] += p.wu * p.off + n.wu * n.off;
+    q.a1.v[k] += p.w1 * p.a + n.w1 * n.a;
+    q.a2.v[k] += p.w2 * p.a + n.w2 * n.a;
+    q.au.v[k] += p.wu * p.a + n.wu * n.a;
+    q.g1.v[k] += p.w1 * p.b + n.w1 * n.b;
+    q.g2.v[k] += p.w2 * p.b + n.w2 * n.b;
+    q.gu.v[k] += p.wu * p.b + n.wu * n.b;
   }
+}
+// Two lights at a time: half the additions go through memory.
+PATINA_INLINE void slopes(const Samples& s, const Estimate& at, Equations& q) {
+  static const Light none{};
+  for (std::size_t i = 0; i < s.count; i += 2)
+    addSlopes(s.light[i], i + 1 < s.count ? s.light[i + 1] : none, at, q);
 }
 
 // Takes out of the nonlinear equations what kd and ks can do themselves: the Schur complement.
 PATINA_INLINE void projectLinear(const Estimate& at, Equations& q) {
+  Lane diffuse, gloss;  // 1: that part is there
   PATINA_LANES
   for (int k = 0; k < kLanes; ++k) {
-    const float has_d = at.kd.v[k] > 0 ? 1.0f : 0.0f, has_s = at.ks.v[k] > 0 ? 1.0f : 0.0f;
+    diffuse.v[k] = at.kd.v[k] > 0 ? 1.0f : 0.0f;
+    gloss.v[k] = at.ks.v[k] > 0 ? 1.0f : 0.0f;
+  }
+  PATINA_LANES
+  for (int k = 0; k < kLanes; ++k) {
+    const float has_d = diffuse.v[k], has_s = gloss.v[k];
     const float aa = q.aa.v[k] * has_d + (1.0f - has_d), bb = q.bb.v[k] * has_s + (1.0f - has_s);
     const float ab = q.ab.v[k] * has_d * has_s;
     const float det = std::max(aa * bb - ab * ab, 1e-6f * aa * bb + 1e-30f);
@@ -150,7 +248,8 @@ template <class Model, bool kSlopes>
 PATINA_INLINE void evaluateAll(Samples& samples, Estimate& at, const Prior& prior,
                                const Tangents& tangents, Equations& q) {
   Lane sums[5];
-  lobes<Model, kSlopes>(samples, at, tangents, sums);
+  lobes<Model, kSlopes>(samples, at, tangents);
+  linearSums(samples, sums);
   PATINA_LANES
   for (int k = 0; k < kLanes; ++k) {
     q.aa.v[k] = sums[0].v[k];
@@ -163,7 +262,7 @@ PATINA_INLINE void evaluateAll(Samples& samples, Estimate& at, const Prior& prio
     const Lane aa = q.aa, ab = q.ab, bb = q.bb;
     q = Equations{};
     q.aa = aa, q.ab = ab, q.bb = bb;
-    slopes(samples, at, tangents, q);
+    slopes(samples, at, q);
     projectLinear(at, q);
   } else {
     q.cost = Lane{};
@@ -227,27 +326,6 @@ const Kernels& kernels() {
 }
 
 }  // namespace
-
-Samples::Samples(std::size_t n)
-    : count(n),
-      lx(n),
-      ly(n),
-      lz(n),
-      hx(n),
-      hy(n),
-      hz(n),
-      v_h(n),
-      m(n),
-      e(n),
-      y(n),
-      noise(n),
-      weight(n),
-      view(n),
-      a(n),
-      g(n),
-      g_1(n),
-      g_2(n),
-      g_u(n) {}
 
 // n.z is above 0, so the first tangent has a length.
 Tangents tangentsOf(const Estimate& at) {

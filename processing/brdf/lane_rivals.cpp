@@ -36,9 +36,9 @@ Lane priceOf(const Samples& s, const Estimate& at) {
   Lane sum;
   for (std::size_t i = 0; i < s.count; ++i)
     for (int k = 0; k < kLanes; ++k) {
-      const float m = s.m[i][k],
-                  predicted = at.kd[k] * s.a[i][k] + (at.ks[k] * (1 - m) + m) * s.g[i][k];
-      if (s.noise[i][k] > 0) sum[k] += price(s.y[i][k], predicted, s.noise[i][k]);
+      const float m = s.light[i].m[k], predicted = at.kd[k] * s.light[i].a[k] +
+                                                   (at.ks[k] * (1 - m) + m) * s.light[i].g[k];
+      if (s.light[i].noise[k] > 0) sum[k] += price(s.light[i].y[k], predicted, s.light[i].noise[k]);
     }
   return sum;
 }
@@ -52,11 +52,11 @@ using Levels = std::vector<Level>;
 Levels levelsOf(const Samples& s, int k) {
   Levels levels;
   for (std::size_t i = 0; i < s.count; ++i) {
-    if (!(s.noise[i][k] > 0)) continue;
-    const float e = s.e[i][k], level = s.y[i][k] / e, gloss = kMattGloss * level;
-    levels.push_back({{s.lx[i][k], s.ly[i][k], s.lz[i][k]},
+    if (!(s.light[i].noise[k] > 0)) continue;
+    const float e = s.light[i].e[k], level = s.light[i].y[k] / e, gloss = kMattGloss * level;
+    levels.push_back({{s.light[i].lx[k], s.light[i].ly[k], s.light[i].lz[k]},
                       level,
-                      1 / (1 / (s.noise[i][k] * e * e) + gloss * gloss)});
+                      1 / (1 / (s.light[i].noise[k] * e * e) + gloss * gloss)});
   }
   return levels;
 }
@@ -107,9 +107,10 @@ void startLit(Samples& s, const Lane& wanted, Estimate& at) {
     if (!(wanted[k] > 0)) continue;
     put(at, k, cheapestMatt(levelsOf(s, k)));
     for (std::size_t i = 0; i < s.count; ++i) {
-      const float n_l = at.nx[k] * s.lx[i][k] + at.ny[k] * s.ly[i][k] + at.nz[k] * s.lz[i][k];
-      const bool lit = n_l > 0 && s.y[i][k] > kLitShare * at.kd[k] * s.e[i][k] * n_l;
-      s.weight[i][k] = lit ? s.noise[i][k] : 0;
+      const float n_l =
+          at.nx[k] * s.light[i].lx[k] + at.ny[k] * s.light[i].ly[k] + at.nz[k] * s.light[i].lz[k];
+      const bool lit = n_l > 0 && s.light[i].y[k] > kLitShare * at.kd[k] * s.light[i].e[k] * n_l;
+      s.light[i].weight[k] = lit ? s.light[i].noise[k] : 0;
     }
   }
 }
@@ -120,9 +121,9 @@ void startMirror(Samples& s, const Lane& wanted, Estimate& at) {
     if (!(wanted[k] > 0)) continue;
     Vec3 sum{0, 0, 0};
     for (std::size_t i = 0; i < s.count; ++i) {
-      s.weight[i][k] = s.noise[i][k];
-      const float level = s.noise[i][k] > 0 ? s.y[i][k] / s.e[i][k] : 0;
-      sum = sum + Vec3{s.hx[i][k], s.hy[i][k], s.hz[i][k]} * (level * level);
+      s.light[i].weight[k] = s.light[i].noise[k];
+      const float level = s.light[i].noise[k] > 0 ? s.light[i].y[k] / s.light[i].e[k] : 0;
+      sum = sum + Vec3{s.light[i].hx[k], s.light[i].hy[k], s.light[i].hz[k]} * (level * level);
     }
     put(at, k, sum);
   }
@@ -130,13 +131,13 @@ void startMirror(Samples& s, const Lane& wanted, Estimate& at) {
 
 int litOf(const Samples& s, int k) {
   int lit = 0;
-  for (std::size_t i = 0; i < s.count; ++i) lit += s.weight[i][k] > 0;
+  for (std::size_t i = 0; i < s.count; ++i) lit += s.light[i].weight[k] > 0;
   return lit;
 }
 
 int usableOf(const Samples& s, int k) {
   int usable = 0;
-  for (std::size_t i = 0; i < s.count; ++i) usable += s.noise[i][k] > 0;
+  for (std::size_t i = 0; i < s.count; ++i) usable += s.light[i].noise[k] > 0;
   return usable;
 }
 
@@ -158,7 +159,8 @@ void tryRivals(const MultiLightOptions& options, Samples& s, Estimate& at, const
     shadowed[k] = unmet[k] > 0 && static_cast<float>(litOf(s, k)) <
                                       kShadowedBelow * static_cast<float>(usableOf(s, k));
   const Estimate found = at;
-  std::vector<Lane> best = s.weight;
+  std::vector<Lane> best(s.count);
+  for (std::size_t i = 0; i < s.count; ++i) best[i] = s.light[i].weight;
   enum { kMirror, kShaded, kLit };
   for (const int rival : {kMirror, kShaded, kLit}) {
     Estimate other = found;
@@ -178,10 +180,10 @@ void tryRivals(const MultiLightOptions& options, Samples& s, Estimate& at, const
       least[k] = costs[k];
       shadowed[k] = rival == kMirror ? 0 : 1;
       takeEstimate(at, other, k);
-      for (std::size_t i = 0; i < s.count; ++i) best[i][k] = s.weight[i][k];
+      for (std::size_t i = 0; i < s.count; ++i) best[i][k] = s.light[i].weight[k];
     }
   }
-  s.weight = best;
+  for (std::size_t i = 0; i < s.count; ++i) s.light[i].weight = best[i];
   s.shadowed = shadowed;
   evaluate(options.model, s, at, prior, equations);
 }

@@ -103,10 +103,10 @@ void photometricStart(Samples& samples, Estimate& at) {
   for (int k = 0; k < kLanes; ++k) {
     levels.clear();
     for (std::size_t i = 0; i < samples.count; ++i) {
-      samples.weight[i][k] = 0;
-      if (samples.noise[i][k] > 0)
-        levels.push_back({samples.lx[i][k], samples.ly[i][k], samples.lz[i][k],
-                          samples.y[i][k] / samples.e[i][k], 1});
+      samples.light[i].weight[k] = 0;
+      if (samples.light[i].noise[k] > 0)
+        levels.push_back({samples.light[i].lx[k], samples.light[i].ly[k], samples.light[i].lz[k],
+                          samples.light[i].y[k] / samples.light[i].e[k], 1});
     }
     const Start start = levels.size() < 3 ? Start{} : startOf(levels, scratch);
     at.nx[k] = static_cast<float>(start.nx);
@@ -116,13 +116,13 @@ void photometricStart(Samples& samples, Estimate& at) {
     at.ks[k] = 0;
     at.u[k] = std::log(0.3f);
     for (std::size_t i = 0; i < samples.count; ++i) {
-      const float n_l =
-          at.nx[k] * samples.lx[i][k] + at.ny[k] * samples.ly[i][k] + at.nz[k] * samples.lz[i][k];
-      const float matt = at.kd[k] * samples.e[i][k] * n_l, noise = samples.noise[i][k];
-      const float below = (matt - samples.y[i][k]) * std::sqrt(noise);
+      const float n_l = at.nx[k] * samples.light[i].lx[k] + at.ny[k] * samples.light[i].ly[k] +
+                        at.nz[k] * samples.light[i].lz[k];
+      const float matt = at.kd[k] * samples.light[i].e[k] * n_l, noise = samples.light[i].noise[k];
+      const float below = (matt - samples.light[i].y[k]) * std::sqrt(noise);
       const bool shadow =
-          n_l <= 0 || (samples.y[i][k] < kShadowShare * matt && below > kShadowSigma);
-      samples.weight[i][k] = shadow ? 0 : noise;
+          n_l <= 0 || (samples.light[i].y[k] < kShadowShare * matt && below > kShadowSigma);
+      samples.light[i].weight[k] = shadow ? 0 : noise;
     }
   }
 }

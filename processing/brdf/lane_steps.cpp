@@ -127,8 +127,8 @@ void fillBetween(CostCurve& curve, int j) {
 }
 
 float predicted(const Samples& s, const Estimate& at, std::size_t i, int k) {
-  const float m = s.m[i][k];
-  return at.kd[k] * s.a[i][k] + (at.ks[k] * (1 - m) + m) * s.g[i][k];
+  const float m = s.light[i].m[k];
+  return at.kd[k] * s.light[i].a[k] + (at.ks[k] * (1 - m) + m) * s.light[i].g[k];
 }
 
 }  // namespace
@@ -184,24 +184,25 @@ void reweigh(Samples& samples, const Estimate& at) {
     sorted.clear();
     const bool strict = samples.shadowed[k] > 0;
     for (std::size_t i = 0; i < samples.count; ++i) {
-      off[i] = (samples.y[i][k] - predicted(samples, at, i, k)) * std::sqrt(samples.noise[i][k]);
+      off[i] = (samples.light[i].y[k] - predicted(samples, at, i, k)) *
+               std::sqrt(samples.light[i].noise[k]);
       partly[i] = strict && off[i] < -kPartSigma &&
-                  samples.y[i][k] < kPartShare * predicted(samples, at, i, k);
-      if (samples.weight[i][k] > 0 && !partly[i]) sorted.push_back(std::abs(off[i]));
+                  samples.light[i].y[k] < kPartShare * predicted(samples, at, i, k);
+      if (samples.light[i].weight[k] > 0 && !partly[i]) sorted.push_back(std::abs(off[i]));
     }
     if (sorted.empty()) continue;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     const float spread = std::max(1.4826f * *middle, 1.0f);
     for (std::size_t i = 0; i < samples.count; ++i) {
-      const float n_l =
-          at.nx[k] * samples.lx[i][k] + at.ny[k] * samples.ly[i][k] + at.nz[k] * samples.lz[i][k];
+      const float n_l = at.nx[k] * samples.light[i].lx[k] + at.ny[k] * samples.light[i].ly[k] +
+                        at.nz[k] * samples.light[i].lz[k];
       const bool attached = n_l < kAttached;
       const bool cast =
-          partly[i] || (samples.y[i][k] < kShadowShare * predicted(samples, at, i, k) &&
+          partly[i] || (samples.light[i].y[k] < kShadowShare * predicted(samples, at, i, k) &&
                         off[i] < -kShadowSpread * spread);
       const float c = off[i] / (kCauchy * spread);
-      samples.weight[i][k] = attached || cast ? 0 : samples.noise[i][k] / (1 + c * c);
+      samples.light[i].weight[k] = attached || cast ? 0 : samples.light[i].noise[k] / (1 + c * c);
     }
   }
 }

@@ -15,8 +15,8 @@ struct LobeCosines {
 };
 
 struct Lobe {
-  float value = 0;                                     // [1/sr]
-  float by_n_l = 0, by_n_v = 0, by_n_h = 0, by_r = 0;  // partial derivatives; r: roughness
+  float value = 0;                                         // [1/sr]
+  float by_n_l = 0, by_n_v = 0, by_n_h = 0, by_log_r = 0;  // partial derivatives; r: roughness
 };
 
 }  // namespace patina::brdf

@@ -86,7 +86,7 @@ class Fitter {
           Estimate at = startAgain(tile, maps, prior, x0, y);
           Equations q;
           for (std::size_t i = 0; i < samples_.size(); ++i)
-            tile.lanes().weight[i] = tile.lanes().noise[i];
+            tile.lanes().light[i].weight = tile.lanes().light[i].noise;
           const Estimate known = at;  // whose kd and ks no shadow has spoilt
           lanes::evaluate(options_.model, tile.lanes(), at, prior, q);
           lanes::reweigh(tile.lanes(), known);
@@ -178,11 +178,12 @@ class Fitter {
       for (int k = 0; k < kLanes; ++k) {
         float ay = 0;
         for (std::size_t i = 0; i < s.count; ++i) {
-          const float n_l = at.nx[k] * s.lx[i][k] + at.ny[k] * s.ly[i][k] + at.nz[k] * s.lz[i][k];
-          s.a[i][k] = s.e[i][k] * std::max(n_l, 0.0f);
-          s.g[i][k] = 0;
-          q.aa[k] += s.weight[i][k] * s.a[i][k] * s.a[i][k];
-          ay += s.weight[i][k] * s.a[i][k] * s.y[i][k];
+          const float n_l = at.nx[k] * s.light[i].lx[k] + at.ny[k] * s.light[i].ly[k] +
+                            at.nz[k] * s.light[i].lz[k];
+          s.light[i].a[k] = s.light[i].e[k] * std::max(n_l, 0.0f);
+          s.light[i].g[k] = 0;
+          q.aa[k] += s.light[i].weight[k] * s.light[i].a[k] * s.light[i].a[k];
+          ay += s.light[i].weight[k] * s.light[i].a[k] * s.light[i].y[k];
         }
         at.kd[k] = q.aa[k] > 0 ? std::max(ay / q.aa[k], 0.0f) : 0;
         at.ks[k] = 0;
@@ -227,13 +228,14 @@ class Fitter {
   LaneFit fitOf(const Samples& s, const Estimate& at, int k) const {
     LaneFit fit;
     for (std::size_t i = 0; i < s.count; ++i) {
-      if (!(s.weight[i][k] > 0)) continue;
+      if (!(s.light[i].weight[k] > 0)) continue;
       ++fit.used;
-      const float m = s.m[i][k], y = s.y[i][k];
-      const double off = y - at.kd[k] * s.a[i][k] - (at.ks[k] * (1 - m) + m) * s.g[i][k];
+      const float m = s.light[i].m[k], y = s.light[i].y[k];
+      const double off =
+          y - at.kd[k] * s.light[i].a[k] - (at.ks[k] * (1 - m) + m) * s.light[i].g[k];
       fit.square += off * off;
-      fit.chi2 += off * off * s.weight[i][k];
-      fit.lamps += double{options_.noise.gain} * options_.noise.gain * y * y * s.noise[i][k];
+      fit.chi2 += off * off * s.light[i].weight[k];
+      fit.lamps += double{options_.noise.gain} * options_.noise.gain * y * y * s.light[i].noise[k];
     }
     fit.lamps /= std::max(fit.used, 1);
     return fit;
@@ -244,12 +246,12 @@ class Fitter {
   bool isDivided(const Samples& s, const Estimate& at, int k) const {
     if (!options_.deep_shadows) return false;
     int brighter = 0;
-    for (std::size_t i = 0; i < s.count; ++i) {
-      if (!(s.noise[i][k] > 0)) continue;
-      const float m = s.m[i][k],
-                  predicted = at.kd[k] * s.a[i][k] + (at.ks[k] * (1 - m) + m) * s.g[i][k];
-      brighter += s.y[i][k] - predicted >
-                  kBrighterSigmas / std::sqrt(s.noise[i][k]) + kBrighterShare * predicted;
+    for (const lanes::Light& light : s.light) {
+      if (!(light.noise[k] > 0)) continue;
+      const float m = light.m[k],
+                  predicted = at.kd[k] * light.a[k] + (at.ks[k] * (1 - m) + m) * light.g[k];
+      brighter += light.y[k] - predicted >
+                  kBrighterSigmas / std::sqrt(light.noise[k]) + kBrighterShare * predicted;
     }
     return brighter >= kFewestBrighter;
   }
@@ -259,8 +261,8 @@ class Fitter {
     float lit = 0;
     const auto look = state_.look.view().texel(x, y);
     for (std::size_t i = 0; i < s.count; ++i) {
-      if (!(s.weight[i][k] > 0)) continue;
-      lit += s.a[i][k];
+      if (!(s.light[i].weight[k] > 0)) continue;
+      lit += s.light[i].a[k];
       const auto texel = samples_[i].picture.texel(x, y);
       for (std::size_t c = 0; c < look.size(); ++c) look[c] += texel[c];
     }
@@ -274,8 +276,8 @@ class Fitter {
     int usable = 0;
     float brightest = 0;
     for (std::size_t i = 0; i < s.count; ++i) {
-      usable += s.noise[i][k] > 0;
-      brightest = std::max(brightest, s.y[i][k]);
+      usable += s.light[i].noise[k] > 0;
+      brightest = std::max(brightest, s.light[i].y[k]);
     }
     const LaneFit fit = fitOf(s, at, k);
     counts.levels += static_cast<std::int64_t>(s.count);
@@ -319,10 +321,11 @@ class Fitter {
       const float tint = known > 0 ? maps->specular.at(x, y, c) - grey : 0;
       float ay = 0, by = 0;
       for (std::size_t i = 0; i < s.count; ++i) {
-        if (!(s.weight[i][k] > 0)) continue;
-        const float m = s.m[i][k], rest = samples_[i].picture.at(x, y, c) - m * s.g[i][k];
-        ay += s.weight[i][k] * s.a[i][k] * rest;
-        by += s.weight[i][k] * (1 - m) * s.g[i][k] * rest;
+        if (!(s.light[i].weight[k] > 0)) continue;
+        const float m = s.light[i].m[k],
+                    rest = samples_[i].picture.at(x, y, c) - m * s.light[i].g[k];
+        ay += s.light[i].weight[k] * s.light[i].a[k] * rest;
+        by += s.light[i].weight[k] * (1 - m) * s.light[i].g[k] * rest;
       }
       float kd = 0, ks = 0;
       const float det = q.aa[k] * (q.bb[k] - prior.ks_weight[k]) - q.ab[k] * q.ab[k];

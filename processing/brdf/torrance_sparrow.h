@@ -30,9 +30,9 @@ inline Lobe torranceSparrowLobe(const LobeCosines& c, float sigma) {
   const float rim = exp2Inline(std::max(-1.44269504f / s2, -120.0f));  // left at the horizon
   const float norm = kPi * s2 * (1.0f - rim);
   const float f = e * 0.25f / (c.n_l * c.n_v * norm + 1e-20f);
-  const float norm_by_s = 2.0f * kPi * (sigma * (1.0f - rim) - rim / sigma);
+  const float norm_by_log = 2.0f * kPi * (s2 * (1.0f - rim) - rim);
   return {f, -f / c.n_l, -f / c.n_v, f * 2.0f * c.n_h / s2,
-          f * (2.0f * sin2 / (s2 * sigma) - norm_by_s / norm)};
+          f * (2.0f * sin2 / s2 - norm_by_log / norm)};
 }
 
 }  // namespace patina::brdf

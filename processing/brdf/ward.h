@@ -22,8 +22,7 @@ inline Lobe wardLobe(const LobeCosines& c, float alpha) {
   const float t = (1.0f - nh2) / nh2;  // tan^2
   const float e = exp2Inline(std::max(-1.44269504f * t / a2, -120.0f));
   const float f = e * 0.25f * kInversePi / (a2 * c.v_h * c.v_h * nh2 * nh2 + 1e-20f);
-  return {f, 0, 0, f * (2.0f / (nh2 * c.n_h * a2) - 4.0f / c.n_h),
-          f * 2.0f * (t / a2 - 1.0f) / alpha};
+  return {f, 0, 0, f * (2.0f / (nh2 * c.n_h * a2) - 4.0f / c.n_h), f * 2.0f * (t / a2 - 1.0f)};
 }
 
 // h in the frame of the surface: x along `ax`, z along the normal.

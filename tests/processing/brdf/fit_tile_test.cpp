@@ -17,8 +17,8 @@ TEST(FitTile, RepeatsTheLastTexelBeyondTheEdge) {
   tile.load(16, 1);
   const lanes::Samples& s = tile.lanes();
   const auto texel = surface.pictures[2].view().texel(19, 1);
-  EXPECT_FLOAT_EQ(s.y[2][3], (texel[0] + texel[1] + texel[2]) / 3);
-  EXPECT_EQ(s.y[2][15], s.y[2][3]);
+  EXPECT_FLOAT_EQ(s.light[2].y[3], (texel[0] + texel[1] + texel[2]) / 3);
+  EXPECT_EQ(s.light[2].y[15], s.light[2].y[3]);
 }
 
 TEST(FitTile, ClippedAndUnknownLevelsDoNotCount) {
@@ -28,9 +28,9 @@ TEST(FitTile, ClippedAndUnknownLevelsDoNotCount) {
   const MultiLightOptions options = calmOptions();  // saturated at 50
   FitTile tile(surface.samples, options);
   tile.load(0, 0);
-  EXPECT_EQ(tile.lanes().noise[1][4], 0);
-  EXPECT_EQ(tile.lanes().noise[3][5], 0);
-  EXPECT_GT(tile.lanes().noise[1][5], 0);
+  EXPECT_EQ(tile.lanes().light[1].noise[4], 0);
+  EXPECT_EQ(tile.lanes().light[3].noise[5], 0);
+  EXPECT_GT(tile.lanes().light[1].noise[5], 0);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ TEST(LaneCertainty, SaysTheSpreadOfKsOverManyDrawsOfNoise) {
     Samples samples = plant(planted);
     for (std::size_t i = 0; i < samples.count; ++i)
       for (int k = 0; k < kLanes; ++k) {
-        samples.y[i][k] += static_cast<float>(0.002 * gaussian(hashSeed(draw, i, k)));
-        samples.noise[i][k] = samples.weight[i][k] = 1 / (0.002f * 0.002f);
+        samples.light[i].y[k] += static_cast<float>(0.002 * gaussian(hashSeed(draw, i, k)));
+        samples.light[i].noise[k] = samples.light[i].weight[k] = 1 / (0.002f * 0.002f);
       }
     Estimate at = truthOf(planted);
     Equations q;
@@ -47,7 +47,7 @@ TEST(LaneCertainty, IsNoneWithoutGloss) {
 TEST(LaneCertainty, NeighboursMakeATexelSureButDoNotPassForItsOwnInformation) {
   Samples samples = plant({0.3f, 0.1f, 0.3f}, 8);
   for (std::size_t i = 0; i < samples.count; ++i)
-    for (int k = 0; k < kLanes; ++k) samples.weight[i][k] = samples.noise[i][k] = 1e4f;
+    for (int k = 0; k < kLanes; ++k) samples.light[i].weight[k] = samples.light[i].noise[k] = 1e4f;
   Estimate at = truthOf({0.3f, 0.1f, 0.3f}), held = at;
   Prior prior;
   for (int k = 0; k < kLanes; ++k) {
@@ -66,7 +66,7 @@ TEST(LaneCertainty, NeighboursMakeATexelSureButDoNotPassForItsOwnInformation) {
 TEST(LaneCertainty, OfAStrengthIsNoSurerThanWhatItsRoughnessLeavesOpen) {
   Samples samples = plant({0.3f, 0.1f, 0.3f}, 8);
   for (std::size_t i = 0; i < samples.count; ++i)
-    for (int k = 0; k < kLanes; ++k) samples.weight[i][k] = samples.noise[i][k] = 1e4f;
+    for (int k = 0; k < kLanes; ++k) samples.light[i].weight[k] = samples.light[i].noise[k] = 1e4f;
   Estimate at = truthOf({0.3f, 0.1f, 0.3f}), held = at;
   Prior prior;
   for (int k = 0; k < kLanes; ++k) prior.ks[k] = 0.1f, prior.ks_weight[k] = 1e7f;

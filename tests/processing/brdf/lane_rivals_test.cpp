@@ -18,7 +18,7 @@ Estimate started(Samples& s, Equations& q) {
 void shade(Samples& s) {
   for (std::size_t i = 0; i < s.count; ++i)
     for (int k = 0; k < kLanes; ++k)
-      if (s.lz[i][k] < 0.71f || i % 4 == 0) s.y[i][k] = 0;
+      if (s.light[i].lz[k] < 0.71f || i % 4 == 0) s.light[i].y[k] = 0;
 }
 
 TEST(LaneRivals, FindWhatMostLampsDoNotReach) {
@@ -39,7 +39,7 @@ TEST(LaneRivals, FindWhatMostLampsDoNotReach) {
 // What later passes go by: where half of the levels are dark, their median says nothing.
 TEST(LaneRivals, SayThatHalfOfTheLampsDoNotReach) {
   Samples s = plant({0.5f, 0.04f, 0.8f}, 32);
-  for (std::size_t i = 0; i < s.count; i += 2) s.y[i] = Lane{};
+  for (std::size_t i = 0; i < s.count; i += 2) s.light[i].y = Lane{};
   Equations q;
   Estimate at = started(s, q);
   tryRivals({}, s, at, noPrior(), q);
@@ -85,13 +85,13 @@ TEST(LaneRivals, BeginAMetalWhereItsHighlightsAre) {
 TEST(LaneRivals, AreNotBelievedOnFourLevels) {
   Samples s = plant({0.5f, 0.04f, 0.8f});
   for (std::size_t i = 4; i < s.count; ++i)
-    for (int k = 0; k < kLanes; ++k) s.y[i][k] = 0.01f * static_cast<float>(i % 3);
+    for (int k = 0; k < kLanes; ++k) s.light[i].y[k] = 0.01f * static_cast<float>(i % 3);
   Equations q;
   Estimate at = started(s, q);
   tryRivals({}, s, at, noPrior(), q);
   for (int k = 0; k < kLanes; ++k) {
     int lit = 0;
-    for (std::size_t i = 0; i < s.count; ++i) lit += s.weight[i][k] > 0;
+    for (std::size_t i = 0; i < s.count; ++i) lit += s.light[i].weight[k] > 0;
     EXPECT_GE(lit, kFewestLit) << k;
   }
 }

@@ -28,18 +28,19 @@ inline Samples plant(const Planted& planted, int lights = 24) {
   const Estimate truth = truthOf(planted);
   Samples s(from.size());
   for (std::size_t i = 0; i < from.size(); ++i) {
-    s.view[i] = {0, 0, 1};
-    const LightRay ray = rayAt(from[i], s.view[i], 0, 0);
+    s.light[i].view = {0, 0, 1};
+    const LightRay ray = rayAt(from[i], s.light[i].view, 0, 0);
     for (int k = 0; k < kLanes; ++k) {
       const Vec3 n{truth.nx[k], truth.ny[k], truth.nz[k]};
-      s.lx[i][k] = ray.l.x, s.ly[i][k] = ray.l.y, s.lz[i][k] = ray.l.z;
-      s.hx[i][k] = ray.h.x, s.hy[i][k] = ray.h.y, s.hz[i][k] = ray.h.z;
-      s.v_h[i][k] = ray.v_h;
-      s.m[i][k] = schlickWeight(ray.v_h);
-      s.e[i][k] = 1;
-      s.noise[i][k] = s.weight[i][k] = 1e6f;
-      s.y[i][k] = (planted.kd + kPi * ggx(n, ray.l, s.view[i], planted.ks, planted.r)) *
-                  std::max(dot(n, ray.l), 0.0f);
+      s.light[i].lx[k] = ray.l.x, s.light[i].ly[k] = ray.l.y, s.light[i].lz[k] = ray.l.z;
+      s.light[i].hx[k] = ray.h.x, s.light[i].hy[k] = ray.h.y, s.light[i].hz[k] = ray.h.z;
+      s.light[i].v_h[k] = ray.v_h;
+      s.light[i].half[k] = 0.5f / ray.v_h;
+      s.light[i].m[k] = schlickWeight(ray.v_h);
+      s.light[i].e[k] = 1;
+      s.light[i].noise[k] = s.light[i].weight[k] = 1e6f;
+      s.light[i].y[k] = (planted.kd + kPi * ggx(n, ray.l, s.light[i].view, planted.ks, planted.r)) *
+                        std::max(dot(n, ray.l), 0.0f);
     }
   }
   return s;

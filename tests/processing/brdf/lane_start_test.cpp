@@ -13,7 +13,7 @@ double cosineTo(const Estimate& a, const Estimate& b, int k) {
 TEST(LaneStart, HighlightsAndShadowsDoNotTurnTheNormal) {
   const Planted shiny{0.4f, 0.5f, 0.1f};
   Samples samples = plant(shiny);
-  for (int k = 0; k < kLanes; ++k) samples.y[3][k] = samples.y[14][k] = 0.01f;
+  for (int k = 0; k < kLanes; ++k) samples.light[3].y[k] = samples.light[14].y[k] = 0.01f;
   Estimate at;
   photometricStart(samples, at);
   const Estimate truth = truthOf(shiny);
@@ -22,19 +22,19 @@ TEST(LaneStart, HighlightsAndShadowsDoNotTurnTheNormal) {
 
 TEST(LaneStart, CastShadowsLoseTheirWeightHighlightsKeepIt) {
   Samples samples = plant({0.4f, 0.5f, 0.1f});
-  for (int k = 0; k < kLanes; ++k) samples.y[3][k] = 0.01f;
+  for (int k = 0; k < kLanes; ++k) samples.light[3].y[k] = 0.01f;
   Estimate at;
   photometricStart(samples, at);
   std::size_t brightest = 0;
   for (std::size_t i = 0; i < samples.count; ++i)
-    if (samples.y[i][5] > samples.y[brightest][5]) brightest = i;
-  EXPECT_EQ(samples.weight[3][5], 0);
-  EXPECT_EQ(samples.weight[brightest][5], samples.noise[brightest][5]);
+    if (samples.light[i].y[5] > samples.light[brightest].y[5]) brightest = i;
+  EXPECT_EQ(samples.light[3].weight[5], 0);
+  EXPECT_EQ(samples.light[brightest].weight[5], samples.light[brightest].noise[5]);
 }
 
 TEST(LaneStart, ATexelWithoutLightStandsUp) {
   Samples samples = plant({});
-  for (std::size_t i = 0; i < samples.count; ++i) samples.noise[i][2] = 0;
+  for (std::size_t i = 0; i < samples.count; ++i) samples.light[i].noise[2] = 0;
   Estimate at;
   photometricStart(samples, at);
   EXPECT_EQ(at.nz[2], 1);
@@ -47,8 +47,9 @@ TEST(LaneStart, AMattSurfaceIsFoundAtOnce) {
   for (std::size_t i = 0; i < samples.count; ++i)
     for (int k = 0; k < kLanes; ++k) {
       const Estimate n = truthOf(matt);
-      samples.y[i][k] = 0.6f * (n.nx[k] * samples.lx[i][k] + n.ny[k] * samples.ly[i][k] +
-                                n.nz[k] * samples.lz[i][k]);
+      samples.light[i].y[k] =
+          0.6f * (n.nx[k] * samples.light[i].lx[k] + n.ny[k] * samples.light[i].ly[k] +
+                  n.nz[k] * samples.light[i].lz[k]);
     }
   Estimate at;
   photometricStart(samples, at);

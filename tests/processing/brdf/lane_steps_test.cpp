@@ -74,22 +74,22 @@ TEST(LaneSteps, AnOutlierLosesWeightAndAShadowAllOfIt) {
   Samples samples = plant({});
   Estimate at = truthOf({});
   for (std::size_t i = 0; i < samples.count; ++i)  // a spread of its own for every level
-    for (int k = 0; k < kLanes; ++k) samples.y[i][k] += (i % 2 ? 1.0f : -1.0f) * 2e-3f;
-  samples.y[2][0] += 0.03f;
-  samples.y[5][0] *= 0.1f;
+    for (int k = 0; k < kLanes; ++k) samples.light[i].y[k] += (i % 2 ? 1.0f : -1.0f) * 2e-3f;
+  samples.light[2].y[0] += 0.03f;
+  samples.light[5].y[0] *= 0.1f;
   Equations q;
   evaluate(Model::kGgx, samples, at, noPrior(), q);
   at = truthOf({});
   reweigh(samples, at);
-  EXPECT_LT(samples.weight[2][0], 0.2f * samples.noise[2][0]);
-  EXPECT_EQ(samples.weight[5][0], 0);
-  EXPECT_GT(samples.weight[7][0], 0.7f * samples.noise[7][0]);
+  EXPECT_LT(samples.light[2].weight[0], 0.2f * samples.light[2].noise[0]);
+  EXPECT_EQ(samples.light[5].weight[0], 0);
+  EXPECT_GT(samples.light[7].weight[0], 0.7f * samples.light[7].noise[0]);
 }
 
 TEST(LaneSteps, APriorHoldsARoughnessThatNothingTells) {
   Samples samples = plant({0.3f, 0, 0.2f}, 8);
   for (std::size_t i = 0; i < samples.count; ++i)
-    for (int k = 0; k < kLanes; ++k) samples.m[i][k] = 0;
+    for (int k = 0; k < kLanes; ++k) samples.light[i].m[k] = 0;
   Estimate at = truthOf({0.3f, 0, 0.5f});
   Prior prior;
   for (int k = 0; k < kLanes; ++k) {

@@ -33,7 +33,7 @@ void expectDerivativesOf(const LobeOf& lobe_of) {
     close(lobe.by_n_l, [](LobeCosines& c, float&, float h) { c.n_l += h; });
     close(lobe.by_n_v, [](LobeCosines& c, float&, float h) { c.n_v += h; });
     close(lobe.by_n_h, [](LobeCosines& c, float&, float h) { c.n_h += h; });
-    close(lobe.by_r, [](LobeCosines&, float& rough, float h) { rough += h; });
+    close(lobe.by_log_r / r, [](LobeCosines&, float& rough, float h) { rough += h; });
   }
 }
 
