@@ -4,12 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "processing/brdf/alike.h"
 #include "processing/image/parallel_rows.h"
 
 namespace patina::brdf {
 namespace {
 
 using lanes::kCurve;
+using lanes::kLanes;
+using lanes::Lane;
 using Curve = std::array<float, kCurve>;
 // What alike texels cost together, and what materials are.
 struct Pool {
@@ -17,7 +20,6 @@ struct Pool {
   float texels = 0;  // weights' sum
 };
 
-constexpr int kRingsOfNeighbours = 6;
 // 2 ln of how much less likely what is no dielectric has a given reflectance than a dielectric has
 // 0.04: as often met, spread seven times as wide.
 constexpr float kAnyPrice = 4;
@@ -29,41 +31,6 @@ constexpr double kBeforeSpecularSpread2 = 0.01 * 0.01;
 constexpr float kBeforeSpread2 = 0.1f * 0.1f;  // of ln r from one time step to the next
 
 float logR(std::size_t j) { return lanes::curveLogR(static_cast<int>(j)); }
-
-// 1 of the same colour, 0 from three units on: like a Gaussian, without its cost.
-float likeness(std::span<const float> a, std::span<const float> b, float like_colour) {
-  float off2 = 0, level = 0;
-  for (std::size_t c = 0; c < a.size(); ++c) {
-    off2 += (a[c] - b[c]) * (a[c] - b[c]);
-    level += a[c] + b[c];
-  }
-  const float unit = like_colour * (0.1f + level / (2 * static_cast<float>(a.size())));
-  const float left = 1 - off2 / (9 * unit * unit), left2 = left * left;
-  return left > 0 ? left2 * left2 : 0.0f;
-}
-
-// body(x, y, weight) for every few like-looking texels in a disc, the own one included.
-template <class Body>
-void forAlike(const FitState& state, int x, int y, const MultiLightOptions& options,
-              const Body& body) {
-  const int reach = options.neighbours ? options.neighbour_px : 0;
-  int step = std::max(1, reach / kRingsOfNeighbours);
-  if (options.filters) step += step & 1;  // to pixels of the same colour
-  const int farthest = reach / step * step;
-  const auto own = state.look.view().texel(x, y);
-  for (int dy = -farthest; dy <= farthest; dy += step)
-    for (int dx = -farthest; dx <= farthest; dx += step) {
-      const int nx = x + dx, ny = y + dy;
-      if (dx * dx + dy * dy > reach * reach || nx < 0 || ny < 0 || nx >= state.size.width ||
-          ny >= state.size.height)
-        continue;
-      // A texel is like itself, also where its colour is not known.
-      const float w = dx == 0 && dy == 0
-                          ? 1
-                          : likeness(own, state.look.view().texel(nx, ny), options.like_colour);
-      if (w > 0) body(nx, ny, w);
-    }
-}
 
 // Errors that alike texels have together, those of lamps and what the model does not meet, do not
 // average out: by how much so many texels are fewer. What is not met of most texels is the model's;
@@ -91,20 +58,8 @@ float fromDielectric2(float specular, const MultiLightOptions& options) {
   return off * off;
 }
 
-Pool pooled(const FitState& state, int x, int y, const MultiLightOptions& options) {
-  Pool sum;
-  Crowd crowd;
-  forAlike(state, x, y, options, [&](int nx, int ny, float w) {
-    const auto curve = state.curve.view().texel(nx, ny),
-               slope = state.curve_slope.view().texel(nx, ny),
-               specular = state.curve_specular.view().texel(nx, ny);
-    for (std::size_t j = 0; j < kCurve; ++j) {
-      sum.cost[j] += w * curve[j];
-      sum.slope[j] += w * slope[j];
-      sum.specular[j] += w * specular[j];
-    }
-    crowd.add(state, nx, ny, w);
-  });
+// What neighbours tell of a texel, once all are added up.
+void settle(Pool& sum, Crowd& crowd, const MultiLightOptions& options) {
   const float fewer = 1 / crowd.crowding();
   for (std::size_t j = 0; j < kCurve; ++j) {
     sum.specular[j] /= crowd.texels;
@@ -124,7 +79,31 @@ Pool pooled(const FitState& state, int x, int y, const MultiLightOptions& option
                       (sum.specular[r] - sum.specular[l]) / (logR(r) - logR(l));
   }
   sum.texels = crowd.texels * fewer;
-  return sum;
+}
+
+// Of the texels of row y from x0 on.
+std::array<Pool, kLanes> pooled(const FitState& state, const AlikeTexels& alike, int x0, int y,
+                                const MultiLightOptions& options) {
+  std::array<Pool, kLanes> sums{};
+  std::array<Crowd, kLanes> crowds;
+  alike.forEach(x0, y, [&](int dx, int dy, const Lane& weights) {
+    for (int k = 0; k < kLanes; ++k) {
+      const float w = weights[k];
+      if (!(w > 0)) continue;
+      const int x = x0 + k + dx;
+      const float *curve = state.curve.view().texel(x, y + dy).data(),
+                  *slope = state.curve_slope.view().texel(x, y + dy).data(),
+                  *specular = state.curve_specular.view().texel(x, y + dy).data();
+      Pool& sum = sums[static_cast<std::size_t>(k)];
+      for (std::size_t j = 0; j < kCurve; ++j) sum.cost[j] += w * curve[j];
+      for (std::size_t j = 0; j < kCurve; ++j) sum.slope[j] += w * slope[j];
+      for (std::size_t j = 0; j < kCurve; ++j) sum.specular[j] += w * specular[j];
+      crowds[static_cast<std::size_t>(k)].add(state, x, y + dy, w);
+    }
+  });
+  for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
+    settle(sums[static_cast<std::size_t>(k)], crowds[static_cast<std::size_t>(k)], options);
+  return sums;
 }
 
 // Between two entries `h` of ln r apart: the cubic of their costs and slopes. t: [0,1].
@@ -265,24 +244,29 @@ PriorMaps::PriorMaps(SizePx s, int channels)
 void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
                    const MultiLightOptions& options, PriorMaps& prior, Progress& progress) {
   progress.begin("roughness of neighbours", state.size.height);
-  forEachRow(state.size.height, std::int64_t{state.size.width} * 1000, [&](int y) {
-    for (int x = 0; x < state.size.width; ++x) {
-      Pool sum = pooled(state, x, y, options);
-      for (const FitBefore& other : before) {
-        const float log_r = std::log(std::max(other.roughness.at(x, y), 0.02f));
-        const float firm = other.confidence.at(x, y) / kBeforeSpread2;
-        for (std::size_t j = 0; j < kCurve; ++j) {
-          const float off = logR(j) - log_r;
-          sum.cost[j] += firm * off * off;
-          sum.slope[j] += 2 * firm * off;
-        }
+  const AlikeTexels alike(state.look, options);
+  const auto hold = [&](Pool& sum, int x, int y) {
+    for (const FitBefore& other : before) {
+      const float log_r = std::log(std::max(other.roughness.at(x, y), 0.02f));
+      const float firm = other.confidence.at(x, y) / kBeforeSpread2;
+      for (std::size_t j = 0; j < kCurve; ++j) {
+        const float off = logR(j) - log_r;
+        sum.cost[j] += firm * off * off;
+        sum.slope[j] += 2 * firm * off;
       }
-      const Valley valley = valleyOf(sum);
-      prior.log_r.at(x, y) = valley.log_r;
-      prior.log_r_weight.at(x, y) = certaintyOf(valley, sum.texels);
-      const float spread = options.specular_spread;
-      if (fromDielectric2(specularAt(sum, valley.log_r), options) < kLikely2)
-        prior.dielectric_weight.at(x, y) = state.spread2.at(x, y) / (spread * spread);
+    }
+    const Valley valley = valleyOf(sum);
+    prior.log_r.at(x, y) = valley.log_r;
+    prior.log_r_weight.at(x, y) = certaintyOf(valley, sum.texels);
+    const float spread = options.specular_spread;
+    if (fromDielectric2(specularAt(sum, valley.log_r), options) < kLikely2)
+      prior.dielectric_weight.at(x, y) = state.spread2.at(x, y) / (spread * spread);
+  };
+  forEachRow(state.size.height, std::int64_t{state.size.width} * 1000, [&](int y) {
+    for (int x0 = 0; x0 < state.size.width; x0 += kLanes) {
+      std::array<Pool, kLanes> sums = pooled(state, alike, x0, y, options);
+      for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
+        hold(sums[static_cast<std::size_t>(k)], x0 + k, y);
     }
     progress.step();
   });
@@ -291,26 +275,35 @@ void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
 void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
                   const MultiLightOptions& options, PriorMaps& prior, Progress& progress) {
   progress.begin("gloss of neighbours", state.size.height);
+  const AlikeTexels alike(state.look, options);
+  const auto hold = [&](SpecularPool& sum, Crowd& together, int x, int y) {
+    const float crowd = together.texels > 0 ? together.crowding() : 1;
+    for (const FitBefore& other : before)
+      if (other.specular.channels == state.specular.channels())
+        sum.add(other.specular.texel(x, y), other.confidence.at(x, y) / kBeforeSpecularSpread2, 1);
+    if (!(sum.weight > 0)) return;
+    for (int c = 0; c < state.specular.channels(); ++c)
+      prior.specular.at(x, y, c) =
+          static_cast<float>(sum.mean[static_cast<std::size_t>(c)] / sum.weight);
+    prior.specular_weight.at(x, y) = sum.certainty(crowd);
+  };
   forEachRow(state.size.height, std::int64_t{state.size.width} * 500, [&](int y) {
-    for (int x = 0; x < state.size.width; ++x) {
-      SpecularPool sum;
-      Crowd together;
-      forAlike(state, x, y, options, [&](int nx, int ny, float w) {
-        const float information = state.specular_weight.at(nx, ny);
-        if (!(information > 0)) return;
-        sum.add(state.own_specular.view().texel(nx, ny), information, w);
-        together.add(state, nx, ny, w);
+    for (int x0 = 0; x0 < state.size.width; x0 += kLanes) {
+      std::array<SpecularPool, kLanes> sums{};
+      std::array<Crowd, kLanes> crowds;
+      alike.forEach(x0, y, [&](int dx, int dy, const Lane& weights) {
+        for (int k = 0; k < kLanes; ++k) {
+          if (!(weights[k] > 0)) continue;
+          const int x = x0 + k + dx;
+          const float information = state.specular_weight.at(x, y + dy);
+          if (!(information > 0)) continue;
+          const auto i = static_cast<std::size_t>(k);
+          sums[i].add(state.own_specular.view().texel(x, y + dy), information, weights[k]);
+          crowds[i].add(state, x, y + dy, weights[k]);
+        }
       });
-      const float crowd = together.texels > 0 ? together.crowding() : 1;
-      for (const FitBefore& other : before)
-        if (other.specular.channels == state.specular.channels())
-          sum.add(other.specular.texel(x, y), other.confidence.at(x, y) / kBeforeSpecularSpread2,
-                  1);
-      if (!(sum.weight > 0)) continue;
-      for (int c = 0; c < state.specular.channels(); ++c)
-        prior.specular.at(x, y, c) =
-            static_cast<float>(sum.mean[static_cast<std::size_t>(c)] / sum.weight);
-      prior.specular_weight.at(x, y) = sum.certainty(crowd);
+      for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
+        hold(sums[static_cast<std::size_t>(k)], crowds[static_cast<std::size_t>(k)], x0 + k, y);
     }
     progress.step();
   });
