@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "processing/brdf/multi_light_fit.h"
@@ -79,6 +80,9 @@ inline void solveLinear(float aa, float ab, float bb, float ay, float by, float&
 void evaluate(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out);
 void evaluateCost(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out);
 
+// Each lane's values in rising order; all are finite. O(n log^2 n).
+constexpr float kLast = std::numeric_limits<float>::max();  // sorts after what counts
+void sortLanes(std::vector<Lane>& values);
 // Photometric stereo: normal and kd from the middle quantiles, then reweighted. Sets weights: those
 // of clipped levels and of shadows are 0, highlights count.
 void photometricStart(Samples& samples, Estimate& at);

@@ -14,79 +14,140 @@ constexpr double kFlattest = 0.15;     // n.z of a start is not below
 constexpr float kShadowShare = 0.35f;  // of what Lambert predicts: below is cast shadow
 constexpr float kShadowSigma = 5;
 
+struct Wide {
+  double v[kLanes] = {};
+};
+// A level over its irradiance; what is not known counts 0.
 struct Level {
-  double x, y, z, level;  // light and level over irradiance
-  double weight;
+  Lane value, known, weight;  // known: 1 or 0
 };
 
-// b of level = b . l by weighted least squares; false when the lights do not span space.
-bool solveNormal(const std::vector<Level>& levels, double (&b)[3]) {
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, rx = 0, ry = 0, rz = 0;
-  for (const Level& l : levels) {
-    const double wx = l.weight * l.x, wy = l.weight * l.y, wz = l.weight * l.z;
-    xx += wx * l.x, xy += wx * l.y, xz += wx * l.z;
-    yy += wy * l.y, yz += wy * l.z, zz += wz * l.z;
-    rx += wx * l.level, ry += wy * l.level, rz += wz * l.level;
+// The matt surfaces that levels = b . l are nearest to.
+struct Matt {
+  Wide x, y, z;  // b
+  Lane there;    // 0: the lights do not span space
+};
+
+// By weighted least squares.
+Matt solveMatt(const Samples& s, const std::vector<Level>& levels) {
+  Wide xx, xy, xz, yy, yz, zz, rx, ry, rz;
+  for (std::size_t i = 0; i < s.count; ++i) {
+    const Light& light = s.light[i];
+    for (int k = 0; k < kLanes; ++k) {
+      const double x = light.lx.v[k], y = light.ly.v[k], z = light.lz.v[k];
+      const double weight = levels[i].weight.v[k], level = levels[i].value.v[k];
+      const double wx = weight * x, wy = weight * y, wz = weight * z;
+      xx.v[k] += wx * x, xy.v[k] += wx * y, xz.v[k] += wx * z;
+      yy.v[k] += wy * y, yz.v[k] += wy * z, zz.v[k] += wz * z;
+      rx.v[k] += wx * level, ry.v[k] += wy * level, rz.v[k] += wz * level;
+    }
   }
-  const double cx = yy * zz - yz * yz, cy = xz * yz - xy * zz, cz = xy * yz - yy * xz;
-  const double det = xx * cx + xy * cy + xz * cz, trace = xx + yy + zz;
-  if (!(det > 1e-6 * trace * trace * trace / 27)) return false;
-  b[0] = (rx * cx + ry * cy + rz * cz) / det;
-  b[1] = (rx * cy + ry * (xx * zz - xz * xz) + rz * (xz * xy - xx * yz)) / det;
-  b[2] = (rx * cz + ry * (xy * xz - xx * yz) + rz * (xx * yy - xy * xy)) / det;
-  return true;
+  Matt matt;
+  for (int k = 0; k < kLanes; ++k) {
+    const double a = xx.v[k], b = xy.v[k], c = xz.v[k], d = yy.v[k], e = yz.v[k], f = zz.v[k];
+    const double cx = d * f - e * e, cy = c * e - b * f, cz = b * e - d * c;
+    const double det = a * cx + b * cy + c * cz, trace = a + d + f;
+    matt.there.v[k] = det > 1e-6 * trace * trace * trace / 27 ? 1 : 0;
+    const double divisor = matt.there.v[k] > 0 ? det : 1;
+    const double p = rx.v[k], q = ry.v[k], r = rz.v[k];
+    matt.x.v[k] = (p * cx + q * cy + r * cz) / divisor;
+    matt.y.v[k] = (p * cy + q * (a * f - c * c) + r * (c * b - a * e)) / divisor;
+    matt.z.v[k] = (p * cz + q * (b * c - a * e) + r * (a * d - b * b)) / divisor;
+  }
+  return matt;
 }
 
-void middleOnly(std::vector<Level>& levels, std::vector<double>& sorted) {
-  sorted.clear();
-  for (const Level& l : levels) sorted.push_back(l.level);
-  std::sort(sorted.begin(), sorted.end());
-  const auto last = static_cast<double>(sorted.size() - 1);
-  const double low = sorted[static_cast<std::size_t>(last * kLowShare)];
-  const double high = sorted[static_cast<std::size_t>(std::ceil(last * kHighShare))];
-  for (Level& l : levels) l.weight = l.level >= low && l.level <= high ? 1 : 0;
-}
-
-double medianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+// Between two quantiles.
+void weighMiddle(std::vector<Level>& levels, const Lane& count, std::vector<Lane>& sorted) {
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    for (int k = 0; k < kLanes; ++k)
+      sorted[i].v[k] = levels[i].known.v[k] > 0 ? levels[i].value.v[k] : kLast;
+  sortLanes(sorted);
+  Lane low, high;
+  for (int k = 0; k < kLanes; ++k) {
+    const double last = std::max(count[k] - 1, 0.0f);
+    low[k] = sorted[static_cast<std::size_t>(last * kLowShare)][k];
+    high[k] = sorted[static_cast<std::size_t>(std::ceil(last * kHighShare))][k];
+  }
+  for (Level& level : levels)
+    for (int k = 0; k < kLanes; ++k) {
+      const float within = level.value.v[k] >= low.v[k] ? 1.0f : 0.0f;
+      level.weight.v[k] = level.value.v[k] <= high.v[k] ? within * level.known.v[k] : 0.0f;
+    }
 }
 
 // Highlights lie above, shadows below what a matt surface gives: both lose weight.
-void reweighMatt(std::vector<Level>& levels, const double (&b)[3], std::vector<double>& off) {
-  off.clear();
-  for (const Level& l : levels)
-    off.push_back(std::abs(l.level - std::max(b[0] * l.x + b[1] * l.y + b[2] * l.z, 0.0)));
-  std::vector<double> sorted = off;
-  const double scale = std::max(2 * medianOf(sorted), 1e-6);
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const Level& l = levels[i];
-    const bool lit = b[0] * l.x + b[1] * l.y + b[2] * l.z > 0;
-    levels[i].weight = lit ? 1 / (1 + off[i] * off[i] / (scale * scale)) : 0;
+void reweighMatt(const Samples& s, const Matt& matt, const Lane& count, std::vector<Level>& levels,
+                 std::vector<Lane>& sorted) {
+  std::vector<Lane> off(s.count), lit(s.count);
+  for (std::size_t i = 0; i < s.count; ++i) {
+    const Light& light = s.light[i];
+    for (int k = 0; k < kLanes; ++k) {
+      const double there =
+          matt.x.v[k] * light.lx.v[k] + matt.y.v[k] * light.ly.v[k] + matt.z.v[k] * light.lz.v[k];
+      lit[i].v[k] = there > 0 ? levels[i].known.v[k] : 0.0f;
+      off[i].v[k] = static_cast<float>(std::abs(levels[i].value.v[k] - std::max(there, 0.0)));
+      sorted[i].v[k] = levels[i].known.v[k] > 0 ? off[i].v[k] : kLast;
+    }
   }
+  sortLanes(sorted);
+  Lane per_scale2;
+  for (int k = 0; k < kLanes; ++k) {
+    const float median = sorted[static_cast<std::size_t>(std::max(count[k], 1.0f)) / 2][k],
+                scale = std::max(2 * median, 1e-6f);
+    per_scale2[k] = 1 / (scale * scale);
+  }
+  for (std::size_t i = 0; i < s.count; ++i)
+    for (int k = 0; k < kLanes; ++k)
+      levels[i].weight.v[k] = lit[i].v[k] / (1 + off[i].v[k] * off[i].v[k] * per_scale2.v[k]);
+}
+
+void takeMatt(Matt& to, const Matt& from, int k) {
+  to.x.v[k] = from.x.v[k], to.y.v[k] = from.y.v[k], to.z.v[k] = from.z.v[k];
+}
+
+Matt mattOf(const Samples& s) {
+  std::vector<Level> levels(s.count);
+  std::vector<Lane> sorted(s.count);
+  Lane count;
+  for (std::size_t i = 0; i < s.count; ++i)
+    for (int k = 0; k < kLanes; ++k) {
+      const bool known = s.light[i].noise.v[k] > 0;
+      levels[i].known.v[k] = known ? 1.0f : 0.0f;
+      levels[i].value.v[k] = known ? s.light[i].y.v[k] / s.light[i].e.v[k] : 0.0f;
+      count.v[k] += levels[i].known.v[k];
+    }
+  weighMiddle(levels, count, sorted);
+  Matt matt = solveMatt(s, levels);
+  bool plane = false;
+  for (int k = 0; k < kLanes; ++k) {
+    if (matt.there[k] > 0) continue;  // else the middle lies in one plane: all of them
+    plane = true;
+    for (Level& level : levels) level.weight[k] = level.known[k];
+  }
+  if (plane) matt = solveMatt(s, levels);
+  Lane going = matt.there;
+  for (int round = 0; round < kRounds; ++round) {
+    reweighMatt(s, matt, count, levels, sorted);
+    const Matt next = solveMatt(s, levels);
+    for (int k = 0; k < kLanes; ++k) {
+      going[k] *= next.there[k];
+      if (going[k] > 0) takeMatt(matt, next, k);
+    }
+  }
+  for (int k = 0; k < kLanes; ++k)
+    if (count[k] < 3) matt.there[k] = 0;
+  return matt;
 }
 
 struct Start {
   double nx = 0, ny = 0, nz = 1, kd = 0;
 };
-Start startOf(std::vector<Level>& levels, std::vector<double>& scratch) {
-  double b[3] = {0, 0, 0};
-  middleOnly(levels, scratch);
-  bool known = solveNormal(levels, b);
-  if (!known) {  // the middle lies in one plane: all of them
-    for (Level& l : levels) l.weight = 1;
-    known = solveNormal(levels, b);
-  }
-  for (int round = 0; known && round < kRounds; ++round) {
-    reweighMatt(levels, b, scratch);
-    double next[3];
-    if (!solveNormal(levels, next)) break;
-    std::copy_n(next, 3, b);
-  }
-  const double length = std::sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
-  if (!known || !(length > 0)) return {};
-  Start start{b[0] / length, b[1] / length, b[2] / length, length};
+Start startOf(const Matt& matt, int k) {
+  const double x = matt.x.v[k], y = matt.y.v[k], z = matt.z.v[k];
+  const double length = std::sqrt(x * x + y * y + z * z);
+  if (!(matt.there[k] > 0) || !(length > 0)) return {};
+  Start start{x / length, y / length, z / length, length};
   if (start.nz >= kFlattest) return start;
   const double across = std::hypot(start.nx, start.ny), to = std::sqrt(1 - kFlattest * kFlattest);
   start.nx *= to / std::max(across, 1e-9);
@@ -98,33 +159,27 @@ Start startOf(std::vector<Level>& levels, std::vector<double>& scratch) {
 }  // namespace
 
 void photometricStart(Samples& samples, Estimate& at) {
-  std::vector<Level> levels;
-  std::vector<double> scratch;
+  const Matt matt = mattOf(samples);
   for (int k = 0; k < kLanes; ++k) {
-    levels.clear();
-    for (std::size_t i = 0; i < samples.count; ++i) {
-      samples.light[i].weight[k] = 0;
-      if (samples.light[i].noise[k] > 0)
-        levels.push_back({samples.light[i].lx[k], samples.light[i].ly[k], samples.light[i].lz[k],
-                          samples.light[i].y[k] / samples.light[i].e[k], 1});
-    }
-    const Start start = levels.size() < 3 ? Start{} : startOf(levels, scratch);
+    const Start start = startOf(matt, k);
     at.nx[k] = static_cast<float>(start.nx);
     at.ny[k] = static_cast<float>(start.ny);
     at.nz[k] = static_cast<float>(start.nz);
     at.kd[k] = static_cast<float>(start.kd);
     at.ks[k] = 0;
     at.u[k] = std::log(0.3f);
-    for (std::size_t i = 0; i < samples.count; ++i) {
-      const float n_l = at.nx[k] * samples.light[i].lx[k] + at.ny[k] * samples.light[i].ly[k] +
-                        at.nz[k] * samples.light[i].lz[k];
-      const float matt = at.kd[k] * samples.light[i].e[k] * n_l, noise = samples.light[i].noise[k];
-      const float below = (matt - samples.light[i].y[k]) * std::sqrt(noise);
-      const bool shadow =
-          n_l <= 0 || (samples.light[i].y[k] < kShadowShare * matt && below > kShadowSigma);
-      samples.light[i].weight[k] = shadow ? 0 : noise;
-    }
   }
+  for (Light& light : samples.light)
+    for (int k = 0; k < kLanes; ++k) {
+      const float n_l =
+          at.nx.v[k] * light.lx.v[k] + at.ny.v[k] * light.ly.v[k] + at.nz.v[k] * light.lz.v[k];
+      const float predicted = at.kd.v[k] * light.e.v[k] * n_l, noise = light.noise.v[k],
+                  level = light.y.v[k];
+      const float below = (predicted - level) * std::sqrt(noise);
+      const bool shadow =
+          (n_l <= 0) | ((level < kShadowShare * predicted) & (below > kShadowSigma));
+      light.weight.v[k] = shadow ? 0 : noise;
+    }
 }
 
 }  // namespace patina::brdf::lanes

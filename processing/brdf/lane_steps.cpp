@@ -126,9 +126,9 @@ void fillBetween(CostCurve& curve, int j) {
   }
 }
 
-float predicted(const Samples& s, const Estimate& at, std::size_t i, int k) {
-  const float m = s.light[i].m[k];
-  return at.kd[k] * s.light[i].a[k] + (at.ks[k] * (1 - m) + m) * s.light[i].g[k];
+float predicted(const Light& light, const Estimate& at, int k) {
+  const float m = light.m.v[k];
+  return at.kd.v[k] * light.a.v[k] + (at.ks.v[k] * (1 - m) + m) * light.g.v[k];
 }
 
 }  // namespace
@@ -177,32 +177,37 @@ void costCurve(Model model, Samples& samples, const Estimate& at, CostCurve& cur
 // The spread is the median of |residual| / sigma over what counts, at least 1: a texel that the
 // model does not meet is not told that it is.
 void reweigh(Samples& samples, const Estimate& at) {
-  std::vector<float> off(samples.count), sorted;
-  std::vector<char> partly(samples.count);
-  sorted.reserve(samples.count);
-  for (int k = 0; k < kLanes; ++k) {
-    sorted.clear();
-    const bool strict = samples.shadowed[k] > 0;
-    for (std::size_t i = 0; i < samples.count; ++i) {
-      off[i] = (samples.light[i].y[k] - predicted(samples, at, i, k)) *
-               std::sqrt(samples.light[i].noise[k]);
-      partly[i] = strict && off[i] < -kPartSigma &&
-                  samples.light[i].y[k] < kPartShare * predicted(samples, at, i, k);
-      if (samples.light[i].weight[k] > 0 && !partly[i]) sorted.push_back(std::abs(off[i]));
+  std::vector<Lane> off(samples.count), partly(samples.count), sorted(samples.count);
+  Lane counted, spread;
+  for (std::size_t i = 0; i < samples.count; ++i) {
+    const Light& light = samples.light[i];
+    for (int k = 0; k < kLanes; ++k) {
+      const float there = predicted(light, at, k);
+      const float sigmas = (light.y.v[k] - there) * std::sqrt(light.noise.v[k]);
+      const bool part = (samples.shadowed.v[k] > 0) & (sigmas < -kPartSigma) &
+                        (light.y.v[k] < kPartShare * there);
+      const bool counts = (light.weight.v[k] > 0) & !part;
+      off[i].v[k] = sigmas;
+      partly[i].v[k] = part ? 1.0f : 0.0f;
+      sorted[i].v[k] = counts ? std::abs(sigmas) : kLast;
+      counted.v[k] += counts ? 1.0f : 0.0f;
     }
-    if (sorted.empty()) continue;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const float spread = std::max(1.4826f * *middle, 1.0f);
-    for (std::size_t i = 0; i < samples.count; ++i) {
-      const float n_l = at.nx[k] * samples.light[i].lx[k] + at.ny[k] * samples.light[i].ly[k] +
-                        at.nz[k] * samples.light[i].lz[k];
-      const bool attached = n_l < kAttached;
-      const bool cast =
-          partly[i] || (samples.light[i].y[k] < kShadowShare * predicted(samples, at, i, k) &&
-                        off[i] < -kShadowSpread * spread);
-      const float c = off[i] / (kCauchy * spread);
-      samples.light[i].weight[k] = attached || cast ? 0 : samples.light[i].noise[k] / (1 + c * c);
+  }
+  sortLanes(sorted);
+  for (int k = 0; k < kLanes; ++k)
+    if (counted[k] > 0)
+      spread[k] = std::max(1.4826f * sorted[static_cast<std::size_t>(counted[k]) / 2][k], 1.0f);
+  for (std::size_t i = 0; i < samples.count; ++i) {
+    Light& light = samples.light[i];
+    for (int k = 0; k < kLanes; ++k) {
+      const float n_l =
+          at.nx.v[k] * light.lx.v[k] + at.ny.v[k] * light.ly.v[k] + at.nz.v[k] * light.lz.v[k];
+      const bool cast = (light.y.v[k] < kShadowShare * predicted(light, at, k)) &
+                        (off[i].v[k] < -kShadowSpread * spread.v[k]);
+      const bool left_out = (n_l < kAttached) | (partly[i].v[k] > 0) | cast;
+      const float c = off[i].v[k] / (kCauchy * std::max(spread.v[k], 1.0f));
+      const float weight = left_out ? 0.0f : light.noise.v[k] / (1 + c * c);
+      light.weight.v[k] = counted.v[k] > 0 ? weight : light.weight.v[k];
     }
   }
 }
