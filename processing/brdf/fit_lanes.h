@@ -77,6 +77,9 @@ inline void solveLinear(float aa, float ab, float bb, float ay, float by, float&
 
 // Solves kd and ks at `at` (which receives them) and fills `out`; of the cost alone, its slopes
 // stay as they were. Picks the widest SIMD path the machine has; all give the same bits.
+// findLobes: the scratch; findEquations: what follows from it, the levels and their weights.
+void findLobes(Model model, Samples& samples, const Estimate& at);
+void findEquations(const Samples& samples, Estimate& at, const Prior& prior, Equations& out);
 void evaluate(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out);
 void evaluateCost(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out);
 
@@ -98,15 +101,16 @@ struct CostCurve {
   Lane cost[kCurve], slope[kCurve], ks[kCurve];
 };
 void costCurve(Model model, Samples& samples, const Estimate& at, CostCurve& curve);
-// Rounds of weights and steps. `equations` are those of the end.
+// Rounds of weights and steps, the first with the weights at hand, or with what residuals at `at`
+// say if `weigh_first`. `equations` are those of the end.
 void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
-            Equations& equations);
+            Equations& equations, bool weigh_first = false);
 constexpr int kFewestLit = 5;  // levels: of fewer anything is explained
 // Where much is not met: the same from a mirror's normal, and with all but the brightest levels
 // taken for shadow; the one that costs least, if kFewestLit levels count. After refine().
 void tryRivals(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
                Equations& equations);
-// From residuals at `at`, for which evaluate() has just been called.
+// From residuals at `at`, whose lobes have just been found.
 void reweigh(Samples& samples, const Estimate& at);
 
 struct Certainty {

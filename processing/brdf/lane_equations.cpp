@@ -244,12 +244,20 @@ PATINA_INLINE void projectLinear(const Estimate& at, Equations& q) {
   }
 }
 
-template <class Model, bool kSlopes>
-PATINA_INLINE void evaluateAll(Samples& samples, Estimate& at, const Prior& prior,
-                               const Tangents& tangents, Equations& q) {
+template <bool kSlopes>
+PATINA_INLINE void lobesOf(Model model, Samples& s, const Estimate& at, const Tangents& t) {
+  if (model == Model::kGgx)
+    lobes<Ggx, kSlopes>(s, at, t);
+  else if (model == Model::kTorranceSparrow)
+    lobes<TorranceSparrow, kSlopes>(s, at, t);
+  else
+    lobes<Ward, kSlopes>(s, at, t);
+}
+
+template <bool kSlopes>
+PATINA_INLINE void equationsOf(const Samples& s, Estimate& at, const Prior& prior, Equations& q) {
   Lane sums[5];
-  lobes<Model, kSlopes>(samples, at, tangents);
-  linearSums(samples, sums);
+  linearSums(s, sums);
   PATINA_LANES
   for (int k = 0; k < kLanes; ++k) {
     q.aa.v[k] = sums[0].v[k];
@@ -262,11 +270,11 @@ PATINA_INLINE void evaluateAll(Samples& samples, Estimate& at, const Prior& prio
     const Lane aa = q.aa, ab = q.ab, bb = q.bb;
     q = Equations{};
     q.aa = aa, q.ab = ab, q.bb = bb;
-    slopes(samples, at, q);
+    slopes(s, at, q);
     projectLinear(at, q);
   } else {
     q.cost = Lane{};
-    costAlone(samples, at, q.cost);
+    costAlone(s, at, q.cost);
   }
   PATINA_LANES
   for (int k = 0; k < kLanes; ++k) {
@@ -279,26 +287,19 @@ PATINA_INLINE void evaluateAll(Samples& samples, Estimate& at, const Prior& prio
   }
 }
 
-template <bool kSlopes>
-PATINA_INLINE void evaluateModel(Model model, Samples& samples, Estimate& at, const Prior& prior,
-                                 const Tangents& tangents, Equations& q) {
-  if (model == Model::kGgx)
-    evaluateAll<Ggx, kSlopes>(samples, at, prior, tangents, q);
-  else if (model == Model::kTorranceSparrow)
-    evaluateAll<TorranceSparrow, kSlopes>(samples, at, prior, tangents, q);
-  else
-    evaluateAll<Ward, kSlopes>(samples, at, prior, tangents, q);
-}
-
 // NOLINTBEGIN(bugprone-macro-parentheses): an attribute cannot stand in any.
-#define PATINA_PATH(name, attribute)                                                     \
-  attribute void name##Slopes(Model model, Samples& s, Estimate& at, const Prior& prior, \
-                              const Tangents& t, Equations& q) {                         \
-    evaluateModel<true>(model, s, at, prior, t, q);                                      \
-  }                                                                                      \
-  attribute void name##Cost(Model model, Samples& s, Estimate& at, const Prior& prior,   \
-                            const Tangents& t, Equations& q) {                           \
-    evaluateModel<false>(model, s, at, prior, t, q);                                     \
+#define PATINA_PATH(name, attribute)                                                           \
+  attribute void name##Lobes(Model model, Samples& s, const Estimate& at, const Tangents& t) { \
+    lobesOf<true>(model, s, at, t);                                                            \
+  }                                                                                            \
+  attribute void name##Equations(const Samples& s, Estimate& at, const Prior& prior,           \
+                                 Equations& q) {                                               \
+    equationsOf<true>(s, at, prior, q);                                                        \
+  }                                                                                            \
+  attribute void name##Cost(Model model, Samples& s, Estimate& at, const Prior& prior,         \
+                            Equations& q) {                                                    \
+    lobesOf<false>(model, s, at, {});                                                          \
+    equationsOf<false>(s, at, prior, q);                                                       \
   }
 // NOLINTEND(bugprone-macro-parentheses)
 PATINA_PATH(plain, )
@@ -307,18 +308,19 @@ PATINA_PATH(avx2, __attribute__((target("avx2"))))
 PATINA_PATH(avx512, __attribute__((target("avx512f,avx512dq,avx512bw,avx512vl"))))
 #endif
 
-using Kernel = void (*)(Model, Samples&, Estimate&, const Prior&, const Tangents&, Equations&);
 struct Kernels {
-  Kernel slopes, cost;
+  void (*lobes)(Model, Samples&, const Estimate&, const Tangents&);
+  void (*equations)(const Samples&, Estimate&, const Prior&, Equations&);
+  void (*cost)(Model, Samples&, Estimate&, const Prior&, Equations&);
 };
 Kernels kernelsHere() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
-    return {avx512Slopes, avx512Cost};
-  if (__builtin_cpu_supports("avx2")) return {avx2Slopes, avx2Cost};
+    return {avx512Lobes, avx512Equations, avx512Cost};
+  if (__builtin_cpu_supports("avx2")) return {avx2Lobes, avx2Equations, avx2Cost};
 #endif
-  return {plainSlopes, plainCost};
+  return {plainLobes, plainEquations, plainCost};
 }
 const Kernels& kernels() {
   static const Kernels here = kernelsHere();
@@ -342,12 +344,18 @@ Tangents tangentsOf(const Estimate& at) {
   return t;
 }
 
-void evaluate(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out) {
-  kernels().slopes(model, samples, at, prior, tangentsOf(at), out);
+void findLobes(Model model, Samples& samples, const Estimate& at) {
+  kernels().lobes(model, samples, at, tangentsOf(at));
 }
-
+void findEquations(const Samples& samples, Estimate& at, const Prior& prior, Equations& out) {
+  kernels().equations(samples, at, prior, out);
+}
+void evaluate(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out) {
+  findLobes(model, samples, at);
+  findEquations(samples, at, prior, out);
+}
 void evaluateCost(Model model, Samples& samples, Estimate& at, const Prior& prior, Equations& out) {
-  kernels().cost(model, samples, at, prior, Tangents{}, out);
+  kernels().cost(model, samples, at, prior, out);
 }
 
 }  // namespace patina::brdf::lanes

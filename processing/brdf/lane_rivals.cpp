@@ -166,14 +166,11 @@ void tryRivals(const MultiLightOptions& options, Samples& s, Estimate& at, const
     Estimate other = found;
     s.shadowed = rival == kMirror ? Lane{} : unmet;
     const Prior& held = rival == kMirror ? prior : dielectric;
-    if (rival == kShaded) {
-      evaluate(options.model, s, other, held, equations);
-      reweigh(s, found);
-    } else {
+    if (rival != kShaded) {
       rival == kMirror ? startMirror(s, unmet, other) : startLit(s, unmet, other);
       scanRoughness(options.model, s, other, held);
     }
-    refine(options, s, other, held, equations);
+    refine(options, s, other, held, equations, rival == kShaded);
     const Lane costs = priceOf(s, other);
     for (int k = 0; k < kLanes; ++k) {
       if (!(unmet[k] > 0 && costs[k] < least[k]) || litOf(s, k) < kFewestLit) continue;

@@ -213,13 +213,13 @@ void reweigh(Samples& samples, const Estimate& at) {
 }
 
 void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,
-            Equations& equations) {
+            Equations& equations, bool weigh_first) {
+  bool lobes_known = false;  // those at `at`
   for (int round = 0; round < options.rounds; ++round) {
-    evaluate(options.model, samples, at, prior, equations);
-    if (round > 0) {
-      reweigh(samples, at);
-      evaluate(options.model, samples, at, prior, equations);
-    }
+    if (!lobes_known) findLobes(options.model, samples, at);
+    if (round > 0 || weigh_first) reweigh(samples, at);
+    findEquations(samples, at, prior, equations);
+    lobes_known = true;
     Lane damp;
     for (int k = 0; k < kLanes; ++k) damp[k] = 1e-2f;
     for (int step = 0; step < options.steps; ++step) {
@@ -227,10 +227,12 @@ void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, co
       Estimate tried = stepFrom(at, tangentsOf(at), equations, damp, turn);
       Equations there;
       evaluate(options.model, samples, tried, prior, there);
+      lobes_known = true;
       float largest = 0;
       for (int k = 0; k < kLanes; ++k) {
         const bool better = there.cost[k] < equations.cost[k];
         damp[k] = std::clamp(damp[k] * (better ? 0.1f : 10.0f), kDampLeast, kDampMost);
+        lobes_known = lobes_known && better;
         if (!better) continue;
         takeEstimate(at, tried, k);
         takeEquations(equations, there, k);
@@ -239,7 +241,8 @@ void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, co
       if (largest < kSmallTurn) break;
     }
   }
-  evaluate(options.model, samples, at, prior, equations);
+  Equations unused;
+  if (!lobes_known) evaluateCost(options.model, samples, at, prior, unused);
 }
 
 }  // namespace patina::brdf::lanes

@@ -87,12 +87,10 @@ class Fitter {
           Equations q;
           for (std::size_t i = 0; i < samples_.size(); ++i)
             tile.lanes().light[i].weight = tile.lanes().light[i].noise;
-          const Estimate known = at;  // whose kd and ks no shadow has spoilt
-          lanes::evaluate(options_.model, tile.lanes(), at, prior, q);
-          lanes::reweigh(tile.lanes(), known);
           MultiLightOptions once = options_;
           once.rounds = 1;
-          lanes::refine(once, tile.lanes(), at, prior, q);
+          // Weights by kd and ks as they are: no shadow has spoilt them.
+          lanes::refine(once, tile.lanes(), at, prior, q, true);
           keep(tile, at, q, prior, &maps, x0, y);
         },
         progress);
