@@ -30,12 +30,20 @@ constexpr double kLeastSpecularSpread = 0.003, kLeastSpecularShare = 0.06;
 constexpr double kBeforeSpecularSpread2 = 0.01 * 0.01;
 constexpr float kBeforeSpread2 = 0.1f * 0.1f;  // of ln r from one time step to the next
 
-float logR(std::size_t j) { return lanes::curveLogR(static_cast<int>(j)); }
+float logR(std::size_t j) {
+  static const Curve grid = [] {
+    Curve all;
+    for (std::size_t i = 0; i < kCurve; ++i) all[i] = lanes::curveLogR(static_cast<int>(i));
+    return all;
+  }();
+  return grid[j];
+}
 
 // Errors that alike texels have together, those of lamps and what the model does not meet, do not
 // average out: by how much so many texels are fewer. What is not met of most texels is the model's;
 // of a few it is a shadow of their own.
 struct Crowd {
+  Crowd() { misfits.reserve(80); }
   std::vector<float> misfits;  // of every third
   int count = 0;
   float lamps = 0, texels = 0;
@@ -166,6 +174,17 @@ float certaintyOf(const Valley& valley, float texels) {
   return 1 / (1 / valley.weight + between + kLeastSpread2);
 }
 
+// body(x0, y) for sixteen texels from there on, down one strip after the other: what the
+// neighbours of a row are asked for is at hand from the row above.
+int stripsOf(SizePx size) { return (size.width + kLanes - 1) / kLanes; }
+template <class Body>
+void forEachInStrips(SizePx size, Progress& progress, const Body& body) {
+  forEachRow(stripsOf(size), std::int64_t{size.height} * kLanes * 500, [&](int strip) {
+    for (int y = 0; y < size.height; ++y) body(strip * kLanes, y);
+    progress.step();
+  });
+}
+
 // Means by information, of each channel and of their mean.
 struct SpecularPool {
   std::array<double, 3> mean{};
@@ -243,7 +262,6 @@ PriorMaps::PriorMaps(SizePx s, int channels)
 
 void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
                    const MultiLightOptions& options, PriorMaps& prior, Progress& progress) {
-  progress.begin("roughness of neighbours", state.size.height);
   const AlikeTexels alike(state.look, options);
   const auto hold = [&](Pool& sum, int x, int y) {
     for (const FitBefore& other : before) {
@@ -262,19 +280,16 @@ void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
     if (fromDielectric2(specularAt(sum, valley.log_r), options) < kLikely2)
       prior.dielectric_weight.at(x, y) = state.spread2.at(x, y) / (spread * spread);
   };
-  forEachRow(state.size.height, std::int64_t{state.size.width} * 1000, [&](int y) {
-    for (int x0 = 0; x0 < state.size.width; x0 += kLanes) {
-      std::array<Pool, kLanes> sums = pooled(state, alike, x0, y, options);
-      for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
-        hold(sums[static_cast<std::size_t>(k)], x0 + k, y);
-    }
-    progress.step();
+  progress.begin("roughness of neighbours", stripsOf(state.size));
+  forEachInStrips(state.size, progress, [&](int x0, int y) {
+    std::array<Pool, kLanes> sums = pooled(state, alike, x0, y, options);
+    for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
+      hold(sums[static_cast<std::size_t>(k)], x0 + k, y);
   });
 }
 
 void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
                   const MultiLightOptions& options, PriorMaps& prior, Progress& progress) {
-  progress.begin("gloss of neighbours", state.size.height);
   const AlikeTexels alike(state.look, options);
   const auto hold = [&](SpecularPool& sum, Crowd& together, int x, int y) {
     const float crowd = together.texels > 0 ? together.crowding() : 1;
@@ -287,25 +302,23 @@ void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
           static_cast<float>(sum.mean[static_cast<std::size_t>(c)] / sum.weight);
     prior.specular_weight.at(x, y) = sum.certainty(crowd);
   };
-  forEachRow(state.size.height, std::int64_t{state.size.width} * 500, [&](int y) {
-    for (int x0 = 0; x0 < state.size.width; x0 += kLanes) {
-      std::array<SpecularPool, kLanes> sums{};
-      std::array<Crowd, kLanes> crowds;
-      alike.forEach(x0, y, [&](int dx, int dy, const Lane& weights) {
-        for (int k = 0; k < kLanes; ++k) {
-          if (!(weights[k] > 0)) continue;
-          const int x = x0 + k + dx;
-          const float information = state.specular_weight.at(x, y + dy);
-          if (!(information > 0)) continue;
-          const auto i = static_cast<std::size_t>(k);
-          sums[i].add(state.own_specular.view().texel(x, y + dy), information, weights[k]);
-          crowds[i].add(state, x, y + dy, weights[k]);
-        }
-      });
-      for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
-        hold(sums[static_cast<std::size_t>(k)], crowds[static_cast<std::size_t>(k)], x0 + k, y);
-    }
-    progress.step();
+  progress.begin("gloss of neighbours", stripsOf(state.size));
+  forEachInStrips(state.size, progress, [&](int x0, int y) {
+    std::array<SpecularPool, kLanes> sums{};
+    std::array<Crowd, kLanes> crowds;
+    alike.forEach(x0, y, [&](int dx, int dy, const Lane& weights) {
+      for (int k = 0; k < kLanes; ++k) {
+        if (!(weights[k] > 0)) continue;
+        const int x = x0 + k + dx;
+        const float information = state.specular_weight.at(x, y + dy);
+        if (!(information > 0)) continue;
+        const auto i = static_cast<std::size_t>(k);
+        sums[i].add(state.own_specular.view().texel(x, y + dy), information, weights[k]);
+        crowds[i].add(state, x, y + dy, weights[k]);
+      }
+    });
+    for (int k = 0; k < kLanes && x0 + k < state.size.width; ++k)
+      hold(sums[static_cast<std::size_t>(k)], crowds[static_cast<std::size_t>(k)], x0 + k, y);
   });
 }
 

@@ -48,7 +48,8 @@ struct PriorMaps {
 void ofLikeTexels(std::span<float> cost, std::span<float> slope);
 
 // The costs of like-looking texels within `neighbour_px`, and of `before`, are added up: what one
-// texel's lights leave open, another's decide. Fills ln r. Rows in parallel; O(texels kCurve).
+// texel's lights leave open, another's decide. Fills ln r. Strips of columns in parallel; O(texels
+// kCurve).
 void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
                    const MultiLightOptions& options, PriorMaps& prior, Progress& progress);
 // The same of the specular reflectance, once the roughness is settled.

@@ -12,7 +12,8 @@ FitTile::FitTile(const std::vector<FitSample>& samples, const MultiLightOptions&
       options_(options),
       size_(samples[0].picture.size()),
       channels_(samples[0].picture.channels),
-      lanes_(samples.size()) {
+      lanes_(samples.size()),
+      colours_(samples.size() * static_cast<std::size_t>(channels_)) {
   for (std::size_t i = 0; i < samples.size(); ++i) lanes_.light[i].view = samples[i].view;
 }
 
@@ -60,8 +61,25 @@ void FitTile::putLevel(std::size_t i, int k, std::span<const float> texel) {
   const float above = std::max(level, 0.0f);
   const float variance =
       noise.floor * noise.floor + noise.shot * above + noise.gain * noise.gain * above * above;
+  for (std::size_t c = 0; c < texel.size(); ++c)
+    colours_[i * texel.size() + c][k] = usable ? texel[c] : 0;
   to.y[k] = level;
   to.noise[k] = usable ? 1 / variance : 0;
+}
+
+FitTile::Products FitTile::productsOf(int channel) const {
+  Products sum;
+  for (std::size_t i = 0; i < lanes_.count; ++i) {
+    const lanes::Light& light = lanes_.light[i];
+    const lanes::Lane& level = colour(i, channel);
+    for (int k = 0; k < kLanes; ++k) {
+      const float w = light.weight.v[k], m = light.m.v[k], g = light.g.v[k];
+      const float rest = level.v[k] - m * g;
+      sum.diffuse.v[k] += w * light.a.v[k] * rest;
+      sum.gloss.v[k] += w * (1 - m) * g * rest;
+    }
+  }
+  return sum;
 }
 
 }  // namespace patina::brdf

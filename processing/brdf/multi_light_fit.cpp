@@ -190,10 +190,14 @@ class Fitter {
     }
   }
 
+  using Colours = std::array<FitTile::Products, 3>;  // of each channel
   void keep(FitTile& tile, const Estimate& at, const Equations& q, const Prior& prior,
             const PriorMaps* maps, int x0, int y) {
+    Colours products;
+    for (int c = 0; c < tile.channels(); ++c)
+      products[static_cast<std::size_t>(c)] = tile.productsOf(c);
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k)
-      keepTexel(tile, at, q, prior, maps, x0 + k, y, k);
+      keepTexel(tile, at, q, products, prior, maps, x0 + k, y, k);
   }
 
   void keepCurves(FitTile& tile, const Estimate& at, int x0, int y) {
@@ -211,7 +215,7 @@ class Fitter {
         state_.curve_specular.at(x0 + k, y, j) = curve.ks[j][k];
       }
       ofLikeTexels(cost, slope);
-      keepLook(s, x0 + k, y, k);
+      keepLook(tile, x0 + k, y, k);
     }
   }
 
@@ -255,20 +259,21 @@ class Fitter {
   }
 
   // Levels that count over the diffuse part's irradiance.
-  void keepLook(const Samples& s, int x, int y, int k) {
+  void keepLook(FitTile& tile, int x, int y, int k) {
+    const Samples& s = tile.lanes();
     float lit = 0;
     const auto look = state_.look.view().texel(x, y);
     for (std::size_t i = 0; i < s.count; ++i) {
       if (!(s.light[i].weight[k] > 0)) continue;
       lit += s.light[i].a[k];
-      const auto texel = samples_[i].picture.texel(x, y);
-      for (std::size_t c = 0; c < look.size(); ++c) look[c] += texel[c];
+      for (int c = 0; c < tile.channels(); ++c)
+        look[static_cast<std::size_t>(c)] += tile.colour(i, c)[k];
     }
     for (float& v : look) v /= std::max(lit, 1e-6f);
   }
 
-  void keepTexel(FitTile& tile, const Estimate& at, const Equations& q, const Prior& prior,
-                 const PriorMaps* maps, int x, int y, int k) {
+  void keepTexel(FitTile& tile, const Estimate& at, const Equations& q, const Colours& products,
+                 const Prior& prior, const PriorMaps* maps, int x, int y, int k) {
     Counts& counts = rows_[static_cast<std::size_t>(y)];
     const Samples& s = tile.lanes();
     int usable = 0;
@@ -305,11 +310,11 @@ class Fitter {
         enough ? lanes::certaintyOf(at, q, prior, fit.spread2(5), k) : lanes::Certainty{};
     state_.confidence.at(x, y) = static_cast<float>(certainty.confidence);
     state_.specular_weight.at(x, y) = static_cast<float>(certainty.specular_weight);
-    keepColours(tile, at, q, prior, maps, x, y, k);
+    keepColours(tile, at, q, products, prior, maps, x, y, k);
   }
 
-  void keepColours(FitTile& tile, const Estimate& at, const Equations& q, const Prior& prior,
-                   const PriorMaps* maps, int x, int y, int k) {
+  void keepColours(FitTile& tile, const Estimate& at, const Equations& q, const Colours& products,
+                   const Prior& prior, const PriorMaps* maps, int x, int y, int k) {
     const Samples& s = tile.lanes();
     const float known = maps ? maps->specular_weight.at(x, y) : 0;
     const float grey = known > 0 ? meanOf(maps->specular.view().texel(x, y)) : 0;
@@ -317,14 +322,8 @@ class Fitter {
         s.shadowed[k] > 0 ? state_.spread2.at(x, y) * kShadowedChromaWeight : kChromaWeight;
     for (int c = 0; c < tile.channels(); ++c) {
       const float tint = known > 0 ? maps->specular.at(x, y, c) - grey : 0;
-      float ay = 0, by = 0;
-      for (std::size_t i = 0; i < s.count; ++i) {
-        if (!(s.light[i].weight[k] > 0)) continue;
-        const float m = s.light[i].m[k],
-                    rest = samples_[i].picture.at(x, y, c) - m * s.light[i].g[k];
-        ay += s.light[i].weight[k] * s.light[i].a[k] * rest;
-        by += s.light[i].weight[k] * (1 - m) * s.light[i].g[k] * rest;
-      }
+      const FitTile::Products& sums = products[static_cast<std::size_t>(c)];
+      const float ay = sums.diffuse[k], by = sums.gloss[k];
       float kd = 0, ks = 0;
       const float det = q.aa[k] * (q.bb[k] - prior.ks_weight[k]) - q.ab[k] * q.ab[k];
       state_.own_specular.at(x, y, c) = det > 0 ? (q.aa[k] * by - q.ab[k] * ay) / det : 0;
