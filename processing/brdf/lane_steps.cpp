@@ -202,8 +202,9 @@ void reweigh(Samples& samples, const Estimate& at) {
     for (int k = 0; k < kLanes; ++k) {
       const float n_l =
           at.nx.v[k] * light.lx.v[k] + at.ny.v[k] * light.ly.v[k] + at.nz.v[k] * light.lz.v[k];
-      const bool cast = (light.y.v[k] < kShadowShare * predicted(light, at, k)) &
-                        (off[i].v[k] < -kShadowSpread * spread.v[k]);
+      const float there = predicted(light, at, k);
+      const bool cast =
+          (light.y.v[k] < kShadowShare * there) & (off[i].v[k] < -kShadowSpread * spread.v[k]);
       const bool left_out = (n_l < kAttached) | (partly[i].v[k] > 0) | cast;
       const float c = off[i].v[k] / (kCauchy * std::max(spread.v[k], 1.0f));
       const float weight = left_out ? 0.0f : light.noise.v[k] / (1 + c * c);
