@@ -48,17 +48,21 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   std::fflush(stdout);
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
-  // Of the others docs/reflectance.md tells what misses and why.
-  const bool metal = loop.specimen == "copper_patination" || loop.specimen == "steel_rusting";
-  if (loop.specimen == "banana_ripening" || loop.specimen == "wood_drying" ||
-      (metal && loop.closer >= 8)) {
-    EXPECT_LE(s.diffuse_rms, loop.bin < 6 ? 0.015 : 0.01);  // small texels: the mosaic's
+  // docs/reflectance.md tells what misses and why: of the whole width, of snow and of faint gloss.
+  const auto is = [&](const char* name) { return loop.specimen == name; };
+  const bool snow = is("snow_accumulation"), grass = is("grass_growth"),
+             small = loop.bin < 6;  // texels: the mosaic's
+  if (is("banana_ripening") || is("wood_drying") || loop.closer >= 8) {
+    EXPECT_LE(s.diffuse_rms, snow ? 0.0125 : small ? 0.015 : 0.01);
     EXPECT_LE(s.told_specular_rms, 0.02);
-    EXPECT_LE(s.told_alpha_rms, loop.bin < 6 ? 0.05 : 0.03);
-    EXPECT_LE(s.normal_median_deg, 0.2);
+    EXPECT_LE(s.told_alpha_rms, snow                            ? 0.06
+                                : grass || is("paint_cracking") ? 0.045
+                                : small                         ? 0.05
+                                                                : 0.03);
+    EXPECT_LE(s.normal_median_deg, grass ? 1 : 0.2);
     EXPECT_LE(s.sure_specular_rms, 0.02);
     EXPECT_LE(s.sure_alpha_rms, 0.03);
-    EXPECT_GE(s.psnr_db, 38);
+    EXPECT_GE(s.psnr_db, snow ? 35 : 38);
   }
   EXPECT_EQ(ageing.degree, std::min(loop.degree, loop.steps - 1));
 }
