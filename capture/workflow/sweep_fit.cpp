@@ -12,7 +12,7 @@
 namespace patina::workflow {
 namespace {
 
-constexpr float kLampNoise = 0.002f;  // relative: from shot to shot, and of the calibrations
+constexpr float kLampNoise = 0.001f;  // relative: from shot to shot, and of the calibrations
 
 // Those of the step before stay until texels of this one are there.
 void keepPixels(const SweepFit& fit, const brdf::BrdfMaps& maps, int step) {

@@ -11,16 +11,30 @@ using lanes::Lane;
 
 namespace {
 constexpr int kRingsOfNeighbours = 6;
+
+// In steps of `unit`, the farther the wider apart.
+std::vector<int> offsetsTo(int reach, int unit) {
+  const int most = reach / unit;
+  std::vector<int> offsets{0};
+  int last = 0;
+  for (int ring = 0; last < most; ++ring) {
+    const double even = std::pow(most, ring / (kRingsOfNeighbours - 1.0));
+    last = std::min(most, std::max(last + 1, static_cast<int>(std::lround(even))));
+    offsets.push_back(last * unit);
+    offsets.insert(offsets.begin(), -last * unit);
+  }
+  return offsets;
 }
+
+}  // namespace
 
 AlikeTexels::AlikeTexels(const Image<float>& look, const MultiLightOptions& options)
     : size_(look.size()),
       channels_(look.channels()),
       reach_(options.neighbours ? options.neighbour_px : 0),
-      step_(std::max(1, reach_ / kRingsOfNeighbours)),
-      like_colour_(options.like_colour) {
-  if (options.filters) step_ += step_ & 1;  // to pixels of the same colour
-  farthest_ = reach_ / step_ * step_;
+      like_colour_(options.like_colour),
+      offsets_(offsetsTo(reach_, options.filters ? 2 : 1)) {
+  farthest_ = offsets_.back();
   stride_ = size_.width + 2 * farthest_ + kLanes;
   planes_.assign(static_cast<std::size_t>(size_.height) * static_cast<std::size_t>(channels_) *
                      static_cast<std::size_t>(stride_),

@@ -19,8 +19,8 @@ class AlikeTexels {
   template <class Body>
   void forEach(int x0, int y, const Body& body) const {
     lanes::Lane weights;
-    for (int dy = -farthest_; dy <= farthest_; dy += step_)
-      for (int dx = -farthest_; dx <= farthest_; dx += step_)
+    for (const int dy : offsets_)
+      for (const int dx : offsets_)
         if (dx * dx + dy * dy <= reach_ * reach_ && weigh(x0, y, dx, dy, weights))
           body(dx, dy, weights);
   }
@@ -29,8 +29,9 @@ class AlikeTexels {
   bool weigh(int x0, int y, int dx, int dy, lanes::Lane& weights) const;  // whether any is alike
 
   SizePx size_;
-  int channels_, reach_, step_, farthest_, stride_;
+  int channels_, reach_, farthest_, stride_;
   float like_colour_;
+  std::vector<int> offsets_;   // rising, of either axis
   std::vector<float> planes_;  // [h][channels][stride_]: rows with NaN around them
 };
 

@@ -43,8 +43,14 @@ struct Estimate {
   Lane kd, ks;
 };
 void takeEstimate(Estimate& to, const Estimate& from, int k);  // of lane k
+// The level that lobes and diffuse parts at `at` show.
+inline float predicted(const Light& light, const Estimate& at, int k) {
+  const float m = light.m.v[k];
+  return at.kd.v[k] * light.a.v[k] + (at.ks.v[k] * (1 - m) + m) * light.g.v[k];
+}
 struct Prior {
   Lane u, u_weight, ks, ks_weight;  // weight = 1 / variance
+  bool signed_strengths = false;  // kd and ks may come out below 0, as estimates to be averaged do
 };
 // Normal equations with kd and ks projected out, at an estimate. 1, 2: turns of the normal along
 // its tangents.
@@ -92,13 +98,14 @@ void photometricStart(Samples& samples, Estimate& at);
 // The roughness of least cost out of a few, from the normal at hand.
 void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& prior);
 // Least costs over kd, ks and the normal (by one step of Gauss and Newton from
-// the one at hand) for roughnesses of a grid, held to no prior, with the weights as they are; and
-// their slopes by ln r.
+// the one at hand) for roughnesses of a grid, held to no prior, with the weights as they are; their
+// slopes by ln r; and ks of either sign with 1 / its variance, in units of the noise.
 constexpr int kCurve = 28;
-// ln r of entry j, rising. Wide lobes change sooner: entries are even in ln r + 6 r.
+constexpr float kSmallestR = 0.02f, kLargestR = 1.0f;
+// ln r of entry j, rising between those. Wide lobes change sooner: entries are even in ln r + 6 r.
 float curveLogR(int j);
 struct CostCurve {
-  Lane cost[kCurve], slope[kCurve], ks[kCurve];
+  Lane cost[kCurve], slope[kCurve], ks[kCurve], information[kCurve];
 };
 void costCurve(Model model, Samples& samples, const Estimate& at, CostCurve& curve);
 // Rounds of weights and steps, the first with the weights at hand, or with what residuals at `at`

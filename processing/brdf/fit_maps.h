@@ -10,8 +10,9 @@
 
 namespace patina::brdf {
 
-constexpr float kWideLogR = -1.2f, kWideLogRWeight = 1.5f;  // of a texel nobody knows: e^-1.2
-constexpr float kDielectric = 0.04f;  // specular reflectance at an index of refraction of 1.5
+constexpr float kWideLogR = -1.2f, kWideLogRWeight = 0.5f;  // of a texel nobody knows: e^-1.2
+// Specular reflectance expected of what is no metal: water's is 0.02, glass's 0.04.
+constexpr float kDielectric = 0.025f;
 
 // [h][w] each, of one kind of number.
 struct FitState {
@@ -29,30 +30,21 @@ struct FitState {
   Image<float> own_specular;           // [h][w][channels] as the own lights alone have it
   Image<float>
       look;  // [h][w][channels], of a mosaic [3]: levels over irradiance, known whatever the gloss
-  // [h][w][kCurve], by roughness: cost in units of the texel's spread, as ofLikeTexels() leaves it,
-  // its slope by ln r, and the specular reflectance
-  Image<float> curve, curve_slope, curve_specular;
+  // [h][w][kCurve], by roughness, in units of the texel's spread: with the specular reflectance ks
+  // a texel costs curve - 2 moment ks + information ks^2
+  Image<float> curve, curve_moment, curve_information;
 };
 
 // What texels are held to: means and certainties (1 / variance, 0: nobody knows).
 struct PriorMaps {
   PriorMaps(SizePx size, int channels);
   Image<float> log_r, log_r_weight;
-  Image<float> dielectric_weight;          // of kDielectric; 0: may be a metal
-  Image<float> specular, specular_weight;  // [h][w][channels], [h][w][1]
+  Image<float> expected_specular, expected_weight;  // of the pool's roughness; 0: may be a metal
+  Image<float> specular, specular_weight;           // [h][w][channels], [h][w][1]
 };
 
-// From a texel's costs of its own roughness, [kCurve], and their slopes by ln r to those of the
-// roughness in the middle of alike ones, from which each is 6 % off: 1 / (1 / cost + 1 / (distance
-// from the least / 6 %)^2), which is exact where costs are a parabola.
-void ofLikeTexels(std::span<float> cost, std::span<float> slope);
-
-// The costs of like-looking texels within `neighbour_px`, and of `before`, are added up: what one
-// texel's lights leave open, another's decide. Fills ln r. Strips of columns in parallel; O(texels
-// kCurve).
-void poolRoughness(const FitState& state, const std::vector<FitBefore>& before,
-                   const MultiLightOptions& options, PriorMaps& prior, Progress& progress);
-// The same of the specular reflectance, once the roughness is settled.
+// The specular reflectances that like-looking texels' own lights tell, and `before`, are averaged,
+// once the roughness is settled (roughness_pool.h). Strips of columns in parallel.
 void poolSpecular(const FitState& state, const std::vector<FitBefore>& before,
                   const MultiLightOptions& options, PriorMaps& prior, Progress& progress);
 

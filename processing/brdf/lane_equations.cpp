@@ -220,8 +220,8 @@ PATINA_INLINE void projectLinear(const Estimate& at, Equations& q) {
   Lane diffuse, gloss;  // 1: that part is there
   PATINA_LANES
   for (int k = 0; k < kLanes; ++k) {
-    diffuse.v[k] = at.kd.v[k] > 0 ? 1.0f : 0.0f;
-    gloss.v[k] = at.ks.v[k] > 0 ? 1.0f : 0.0f;
+    diffuse.v[k] = at.kd.v[k] != 0 ? 1.0f : 0.0f;
+    gloss.v[k] = at.ks.v[k] != 0 ? 1.0f : 0.0f;
   }
   PATINA_LANES
   for (int k = 0; k < kLanes; ++k) {
@@ -254,6 +254,21 @@ PATINA_INLINE void lobesOf(Model model, Samples& s, const Estimate& at, const Ta
     lobes<Ward, kSlopes>(s, at, t);
 }
 
+// kd and ks of least squares, of whatever sign, where the two can be told apart.
+PATINA_INLINE void freeStrengths(const Lane (&sums)[5], const Prior& prior, Estimate& at,
+                                 const Equations& q) {
+  PATINA_LANES
+  for (int k = 0; k < kLanes; ++k) {
+    const float aa = q.aa.v[k], ab = q.ab.v[k], bb = q.bb.v[k], det = aa * bb - ab * ab;
+    const float ay = sums[3].v[k], by = sums[4].v[k] + prior.ks_weight.v[k] * prior.ks.v[k];
+    const bool regular = det > 1e-6f * aa * bb;
+    const float divisor = regular ? det : 1.0f;
+    const float kd = (bb * ay - ab * by) / divisor, ks = (aa * by - ab * ay) / divisor;
+    at.kd.v[k] = regular ? kd : at.kd.v[k];
+    at.ks.v[k] = regular ? ks : at.ks.v[k];
+  }
+}
+
 template <bool kSlopes>
 PATINA_INLINE void equationsOf(const Samples& s, Estimate& at, const Prior& prior, Equations& q) {
   Lane sums[5];
@@ -266,6 +281,7 @@ PATINA_INLINE void equationsOf(const Samples& s, Estimate& at, const Prior& prio
     const float by = sums[4].v[k] + prior.ks_weight.v[k] * prior.ks.v[k];
     solveLinear(q.aa.v[k], q.ab.v[k], q.bb.v[k], sums[3].v[k], by, at.kd.v[k], at.ks.v[k]);
   }
+  if (prior.signed_strengths) freeStrengths(sums, prior, at, q);
   if (kSlopes) {
     const Lane aa = q.aa, ab = q.ab, bb = q.bb;
     q = Equations{};

@@ -36,9 +36,8 @@ Lane priceOf(const Samples& s, const Estimate& at) {
   Lane sum;
   for (std::size_t i = 0; i < s.count; ++i)
     for (int k = 0; k < kLanes; ++k) {
-      const float m = s.light[i].m[k], predicted = at.kd[k] * s.light[i].a[k] +
-                                                   (at.ks[k] * (1 - m) + m) * s.light[i].g[k];
-      if (s.light[i].noise[k] > 0) sum[k] += price(s.light[i].y[k], predicted, s.light[i].noise[k]);
+      const Light& light = s.light[i];
+      if (light.noise[k] > 0) sum[k] += price(light.y[k], predicted(light, at, k), light.noise[k]);
     }
   return sum;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Levenberg and Marquardt's steps and Cauchy's weights, sixteen texels side by side.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "processing/brdf/abc.h"
@@ -19,9 +18,6 @@ constexpr float kAttached = 0.02f;  // n.l from which light counts
 constexpr float kTurnMost = 0.25f;  // rad a step
 constexpr float kScaleMost = 0.7f;  // of ln r a step
 constexpr float kLowestUp = 0.1f;   // n.z
-constexpr float kSmallestR = 0.02f, kLargestR = 1.0f;
-constexpr float kCurveBend = 3, kRidge = 0.05f;  // of ks, where no lamp meets the lobe
-constexpr float kUnlikely = 50;  // of cost above the least, in units of the texel's spread
 constexpr float kDampLeast = 1e-6f, kDampMost = 1e6f;
 constexpr float kSmallTurn = 2e-5f;  // rad; a tile whose steps are all below is done
 
@@ -65,72 +61,6 @@ void takeEquations(Equations& to, const Equations& from, int k) {
     (to.*part)[k] = (from.*part)[k];
 }
 
-std::array<float, kCurve> evenlyBent() {
-  const auto place = [](float log_r) { return log_r + kCurveBend * std::exp(log_r); };
-  const float low = place(std::log(kSmallestR)), high = place(std::log(kLargestR));
-  std::array<float, kCurve> grid{};
-  float log_r = std::log(kSmallestR);
-  for (int j = 0; j < kCurve; ++j) {
-    const float wanted = low + (high - low) * static_cast<float>(j) / (kCurve - 1);
-    for (int round = 0; round < 12; ++round)
-      log_r -= (place(log_r) - wanted) / (1 + kCurveBend * std::exp(log_r));
-    grid[static_cast<std::size_t>(j)] = log_r;
-  }
-  return grid;
-}
-
-void costAt(Model model, Samples& samples, const Estimate& at, int j, CostCurve& curve) {
-  Prior none;
-  Estimate tried = at;
-  for (int k = 0; k < kLanes; ++k) none.ks_weight[k] = kRidge, tried.u[k] = curveLogR(j);
-  Equations q;
-  evaluate(model, samples, tried, none, q);
-  for (int k = 0; k < kLanes; ++k) {
-    const float h11 = q.h11[k], h12 = q.h12[k], h22 = q.h22[k], b1 = q.b1[k], b2 = q.b2[k];
-    const float det = h11 * h22 - h12 * h12, inverse = det > 1e-6f * h11 * h22 ? 1 / det : 0;
-    const float s1 = inverse * (h22 * b1 - h12 * b2), s2 = inverse * (h11 * b2 - h12 * b1);
-    curve.cost[j][k] = std::max(q.cost[k] - s1 * b1 - s2 * b2, 0.0f);
-    curve.slope[j][k] = -2 * (q.bu[k] - s1 * q.h1u[k] - s2 * q.h2u[k]);
-  }
-  curve.ks[j] = tried.ks;
-}
-
-// Of the entries that are known before those between them: the even ones and the last.
-Lane leastOf(const CostCurve& curve) {
-  Lane least = curve.cost[kCurve - 1];
-  for (int j = 0; j < kCurve; j += 2)
-    for (int k = 0; k < kLanes; ++k) least[k] = std::min(least[k], curve.cost[j][k]);
-  return least;
-}
-
-// Whether the entries around j are likely enough, in any lane, for j to be asked for.
-bool isNearLeast(const CostCurve& curve, int j, const Lane& least, std::size_t count) {
-  for (int k = 0; k < kLanes; ++k) {
-    const float spread2 = std::max(1.0f, least[k] / static_cast<float>(count));
-    if (std::min(curve.cost[j - 1][k], curve.cost[j + 1][k]) < least[k] + kUnlikely * spread2)
-      return true;
-  }
-  return false;
-}
-
-// Entry j by the cubics through those around it.
-void fillBetween(CostCurve& curve, int j) {
-  const float h = curveLogR(j + 1) - curveLogR(j - 1), t = (curveLogR(j) - curveLogR(j - 1)) / h;
-  for (int k = 0; k < kLanes; ++k) {
-    const float p0 = curve.cost[j - 1][k], rise = curve.cost[j + 1][k] - p0,
-                m0 = h * curve.slope[j - 1][k], m1 = h * curve.slope[j + 1][k];
-    const float c2 = 3 * rise - 2 * m0 - m1, c3 = m0 + m1 - 2 * rise;
-    curve.cost[j][k] = std::max(p0 + t * (m0 + t * (c2 + t * c3)), 0.0f);
-    curve.slope[j][k] = (m0 + t * (2 * c2 + t * 3 * c3)) / h;
-    curve.ks[j][k] = curve.ks[j - 1][k] * (1 - t) + curve.ks[j + 1][k] * t;
-  }
-}
-
-float predicted(const Light& light, const Estimate& at, int k) {
-  const float m = light.m.v[k];
-  return at.kd.v[k] * light.a.v[k] + (at.ks.v[k] * (1 - m) + m) * light.g.v[k];
-}
-
 }  // namespace
 
 void takeEstimate(Estimate& to, const Estimate& from, int k) {
@@ -156,22 +86,6 @@ void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& pri
       }
   }
   at = best;
-}
-
-float curveLogR(int j) {
-  static const std::array<float, kCurve> grid = evenlyBent();
-  return grid[static_cast<std::size_t>(j)];
-}
-
-void costCurve(Model model, Samples& samples, const Estimate& at, CostCurve& curve) {
-  for (int j = 0; j < kCurve; j += 2) costAt(model, samples, at, j, curve);
-  costAt(model, samples, at, kCurve - 1, curve);
-  const Lane least = leastOf(curve);
-  for (int j = 1; j + 1 < kCurve; j += 2)
-    if (isNearLeast(curve, j, least, samples.count))
-      costAt(model, samples, at, j, curve);
-    else
-      fillBetween(curve, j);
 }
 
 // The spread is the median of |residual| / sigma over what counts, at least 1: a texel that the

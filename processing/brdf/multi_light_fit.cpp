@@ -2,13 +2,15 @@
 #include "processing/brdf/multi_light_fit.h"
 
 #include <array>
-#include <atomic>
 #include <cmath>
 
 #include "processing/brdf/anisotropic_fit.h"
 #include "processing/brdf/fit_check.h"
 #include "processing/brdf/fit_maps.h"
 #include "processing/brdf/fit_tile.h"
+#include "processing/brdf/lane_fit.h"
+#include "processing/brdf/roughness_pool.h"
+#include "processing/brdf/shadow_map.h"
 #include "processing/image/linear_mosaic.h"
 #include "processing/image/parallel_rows.h"
 
@@ -24,8 +26,6 @@ using lanes::Samples;
 
 constexpr float kWideSpecularWeight = 4;
 constexpr float kChromaWeight = 100;  // holds specular channels to their mean
-constexpr int kFewestBrighter = 2;    // one is a glint
-constexpr float kBrighterSigmas = 4, kBrighterShare = 0.05f;
 constexpr float kShadowedChromaWeight = 1 / (0.02f * 0.02f);  // of what many lamps do not reach
 constexpr float kBlack = 1e-4f;
 constexpr int kFewest = 4;
@@ -47,7 +47,9 @@ class Fitter {
       : samples_(samples),
         options_(options),
         state_(samples[0].picture.size(), samples[0].picture.channels),
-        rows_(static_cast<std::size_t>(state_.size.height)) {}
+        rows_(static_cast<std::size_t>(state_.size.height)) {
+    if (options.deep_shadows) shadows_.emplace(state_.size, samples.size());
+  }
 
   FitState& state() { return state_; }
 
@@ -71,6 +73,23 @@ class Fitter {
             matt(tile.lanes(), at, q);
           }
           keep(tile, at, q, prior, nullptr, x0, y);
+          if (shadows_)
+            shadows_->keep(tile.lanes(), x0, y);
+          else if (glossy())
+            keepCurves(tile, at, x0, y);
+        },
+        progress);
+  }
+
+  // Once more without the levels beside shadows' edges.
+  void besideShadows(Progress& progress) {
+    progress.begin("reflectance beside shadows", state_.size.height);
+    forEachTile(
+        [&](FitTile& tile, int x0, int y) {
+          const Prior prior = widePrior();
+          Equations q;
+          const Estimate at = refineAgain(tile, nullptr, prior, x0, y, q);
+          keep(tile, at, q, prior, nullptr, x0, y);
           if (glossy()) keepCurves(tile, at, x0, y);
         },
         progress);
@@ -81,16 +100,10 @@ class Fitter {
     progress.begin("reflectance again", state_.size.height);
     forEachTile(
         [&](FitTile& tile, int x0, int y) {
-          tile.load(x0, y);
           Prior prior = widePrior();
-          Estimate at = startAgain(tile, maps, prior, x0, y);
+          hold(prior, maps, tile, x0, y);
           Equations q;
-          for (std::size_t i = 0; i < samples_.size(); ++i)
-            tile.lanes().light[i].weight = tile.lanes().light[i].noise;
-          MultiLightOptions once = options_;
-          once.rounds = 1;
-          // Weights by kd and ks as they are: no shadow has spoilt them.
-          lanes::refine(once, tile.lanes(), at, prior, q, true);
+          const Estimate at = refineAgain(tile, &maps, prior, x0, y, q);
           keep(tile, at, q, prior, &maps, x0, y);
         },
         progress);
@@ -141,31 +154,47 @@ class Fitter {
     });
   }
 
-  Estimate startAgain(FitTile& tile, const PriorMaps& maps, Prior& prior, int x0, int y) const {
+  // To what neighbours tell, where they do.
+  void hold(Prior& prior, const PriorMaps& maps, const FitTile& tile, int x0, int y) const {
+    for (int k = 0; k < kLanes; ++k) {
+      const int x = tile.column(x0, k);
+      const float known = maps.log_r_weight.at(x, y), gloss = maps.specular_weight.at(x, y);
+      if (!(known > 0)) continue;
+      prior.u[k] = maps.log_r.at(x, y);
+      prior.u_weight[k] += known;
+      prior.ks[k] = maps.expected_specular.at(x, y);
+      prior.ks_weight[k] += maps.expected_weight.at(x, y);
+      if (!(gloss > 0)) continue;
+      const float both = prior.ks_weight[k] + gloss,
+                  alike = meanOf(maps.specular.view().texel(x, y));
+      prior.ks[k] = (prior.ks_weight[k] * prior.ks[k] + gloss * alike) / both;
+      prior.ks_weight[k] = both;
+    }
+  }
+
+  // From where the texels are; at first with the pools' roughness, where `maps` have no more yet.
+  Estimate refineAgain(FitTile& tile, const PriorMaps* maps, const Prior& prior, int x0, int y,
+                       Equations& q) const {
+    Samples& s = tile.lanes();
+    tile.load(x0, y);
+    if (shadows_) shadows_->forgetEdges(s, x0, y);
     Estimate at;
     for (int k = 0; k < kLanes; ++k) {
       const int x = tile.column(x0, k);
       const auto n = state_.normal.view().texel(x, y);
       at.nx[k] = n[0], at.ny[k] = n[1], at.nz[k] = std::max(n[2], 0.05f);
-      tile.lanes().shadowed[k] = state_.shadowed.at(x, y) ? 1 : 0;
-      at.u[k] = state_.log_r.at(x, y);
+      s.shadowed[k] = state_.shadowed.at(x, y) ? 1 : 0;
+      const bool pooled =
+          maps && maps->log_r_weight.at(x, y) > 0 && !(maps->specular_weight.at(x, y) > 0);
+      at.u[k] = pooled ? prior.u[k] : state_.log_r.at(x, y);
       at.kd[k] = state_.grey_diffuse.at(x, y);
       at.ks[k] = state_.grey_specular.at(x, y);
-      const float known = maps.log_r_weight.at(x, y);
-      if (!(known > 0)) continue;
-      prior.u[k] = maps.log_r.at(x, y);
-      prior.u_weight[k] += known;
-      prior.ks_weight[k] += maps.dielectric_weight.at(x, y);
-      const float gloss = maps.specular_weight.at(x, y);
-      if (!(gloss > 0)) {
-        at.u[k] = prior.u[k];
-        continue;
-      }
-      const float alike = meanOf(maps.specular.view().texel(x, y)),
-                  both = prior.ks_weight[k] + gloss;
-      prior.ks[k] = (prior.ks_weight[k] * kDielectric + gloss * alike) / both;
-      prior.ks_weight[k] = both;
     }
+    for (lanes::Light& light : s.light) light.weight = light.noise;
+    MultiLightOptions once = options_;
+    once.rounds = 1;
+    // Weights by kd and ks as they are: no shadow has spoilt them.
+    lanes::refine(once, s, at, prior, q, true);
     return at;
   }
 
@@ -203,59 +232,14 @@ class Fitter {
   void keepCurves(FitTile& tile, const Estimate& at, int x0, int y) {
     const Samples& s = tile.lanes();
     Lane spread2;
-    for (int k = 0; k < kLanes; ++k) spread2[k] = static_cast<float>(fitOf(s, at, k).spread2(4));
+    for (int k = 0; k < kLanes; ++k)
+      spread2[k] = static_cast<float>(lanes::fitOf(s, at, options_.noise.gain, k).spread2(4));
     lanes::CostCurve curve;
     lanes::costCurve(options_.model, tile.lanes(), at, curve);
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k) {
-      const auto cost = state_.curve.view().texel(x0 + k, y),
-                 slope = state_.curve_slope.view().texel(x0 + k, y);
-      for (int j = 0; j < lanes::kCurve; ++j) {
-        cost[static_cast<std::size_t>(j)] = curve.cost[j][k] / spread2[k];
-        slope[static_cast<std::size_t>(j)] = curve.slope[j][k] / spread2[k];
-        state_.curve_specular.at(x0 + k, y, j) = curve.ks[j][k];
-      }
-      ofLikeTexels(cost, slope);
+      keepCurve(state_, curve, spread2[k], x0 + k, y, k);
       keepLook(tile, x0 + k, y, k);
     }
-  }
-
-  // Of lane k, over what counts.
-  struct LaneFit {
-    int used = 0;
-    double square = 0, chi2 = 0;
-    double lamps = 0;  // share of the noise's variance that is the lamps'
-    double misfit(int parameters) const { return chi2 / std::max(used - parameters, 1); }
-    double spread2(int parameters) const { return std::max(1.0, misfit(parameters)); }
-  };
-  LaneFit fitOf(const Samples& s, const Estimate& at, int k) const {
-    LaneFit fit;
-    for (std::size_t i = 0; i < s.count; ++i) {
-      if (!(s.light[i].weight[k] > 0)) continue;
-      ++fit.used;
-      const float m = s.light[i].m[k], y = s.light[i].y[k];
-      const double off =
-          y - at.kd[k] * s.light[i].a[k] - (at.ks[k] * (1 - m) + m) * s.light[i].g[k];
-      fit.square += off * off;
-      fit.chi2 += off * off * s.light[i].weight[k];
-      fit.lamps += double{options_.noise.gain} * options_.noise.gain * y * y * s.light[i].noise[k];
-    }
-    fit.lamps /= std::max(fit.used, 1);
-    return fit;
-  }
-
-  // Whether a shadow's edge halves a pixel alike under most lamps: the few that reach all of it are
-  // brighter than predicted then, which no shadow is.
-  bool isDivided(const Samples& s, const Estimate& at, int k) const {
-    if (!options_.deep_shadows) return false;
-    int brighter = 0;
-    for (const lanes::Light& light : s.light) {
-      if (!(light.noise[k] > 0)) continue;
-      const float m = light.m[k],
-                  predicted = at.kd[k] * light.a[k] + (at.ks[k] * (1 - m) + m) * light.g[k];
-      brighter += light.y[k] - predicted >
-                  kBrighterSigmas / std::sqrt(light.noise[k]) + kBrighterShare * predicted;
-    }
-    return brighter >= kFewestBrighter;
   }
 
   // Levels that count over the diffuse part's irradiance.
@@ -282,12 +266,13 @@ class Fitter {
       usable += s.light[i].noise[k] > 0;
       brightest = std::max(brightest, s.light[i].y[k]);
     }
-    const LaneFit fit = fitOf(s, at, k);
+    const lanes::LaneFit fit = lanes::fitOf(s, at, options_.noise.gain, k);
     counts.levels += static_cast<std::int64_t>(s.count);
     counts.used += fit.used;
     counts.square += fit.square;
     state_.residual.at(x, y) = static_cast<float>(std::sqrt(fit.square / std::max(fit.used, 1)));
-    state_.told.at(x, y) = fit.used >= lanes::kFewestLit && !isDivided(s, at, k);
+    state_.told.at(x, y) =
+        fit.used >= lanes::kFewestLit && !(options_.deep_shadows && lanes::isSpoilt(s, at, k));
     state_.shadowed.at(x, y) = s.shadowed[k] > 0;
     state_.spread2.at(x, y) = static_cast<float>(fit.spread2(5));
     state_.misfit.at(x, y) = static_cast<float>(fit.misfit(5));
@@ -345,6 +330,7 @@ class Fitter {
   const std::vector<FitSample>& samples_;
   const MultiLightOptions& options_;
   FitState state_;
+  std::optional<ShadowMap> shadows_;  // with `deep_shadows`
   std::vector<Counts> rows_;
 };
 
@@ -369,6 +355,7 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   if (options.model == Model::kTorranceSparrow) first.specular_spread = 1;
   Fitter fitter(samples, first);
   fitter.firstPass(progress);
+  if (first.deep_shadows) fitter.besideShadows(progress);
   FitState& state = fitter.state();
   if (options.filters)
     state.look = demosaicLinear(std::as_const(state.look).view(), *options.filters);

@@ -55,7 +55,7 @@ struct MultiLightOptions {
   int steps = 4;              // of Levenberg and Marquardt a round, 1 to 50
   bool neighbours = true;     // false: after the first pass a texel asks itself and `before` alone
   int neighbour_px = 16;      // how far it looks, 1 to 256
-  float like_colour = 0.06f;  // difference of diffuse colour that still counts as like
+  float like_colour = 0.04f;  // difference of diffuse colour that still counts as like
   // How far specular reflectance is expected from 0.04, a dielectric's: what decides where a wide
   // lobe and the diffuse part are one within the noise. Lamps that tell overrule it. (0,1]; not of
   // Torrance and Sparrow's model, whose strength is no reflectance.

@@ -61,10 +61,12 @@ std::string planText(const Loop& loop, const std::string& rig, const std::string
   std::string lights;
   for (int i = 0; i < lampsOf(loop); ++i)
     if (!isLeftOut(loop, i)) lights += (lights.empty() ? "[\"" : ", [\"") + idOf(i) + "\"]";
+  std::string exposures = "\"1/50\"";
+  for (int i = 1; i < loop.frames; ++i) exposures += ", \"1/50\"";
   return "rig = \"" + rig + "\"\nspecimen = \"" + specimen + "\"\nseed = 1\ninterval = \"" +
          std::to_string(intervalOf(loop)) + "s\"\nduration = \"" +
          std::to_string(steps * intervalOf(loop)) + "s\"\n[[sweep]]\nlights = [" + lights +
-         "]\nexposures = [\"1/50\"]\n" + rest;
+         "]\nexposures = [" + exposures + "]\n" + rest;
 }
 
 std::string noisePlanText(const std::string& rig) {

@@ -95,7 +95,7 @@ class Truth {
   TexelExposure exposure() const {
     const twin::SensorProfile& sensor = world_.profile().sensor;
     return {sensor.full_well * sensor.grey_fill / sensor.grey_reflectance, sensor.full_well,
-            sensor.read_noise, loop_.bin * loop_.bin};
+            sensor.read_noise, loop_.bin * loop_.bin * loop_.frames};
   }
 
   // The share of every lamp's light that no cast shadow takes from a pixel.
@@ -290,6 +290,8 @@ std::string planOf(const TempFolder& folder) { return folder / "plan.toml"; }
 std::string archiveOf(const TempFolder& folder) { return folder / "archive"; }
 
 void prepareLoop(const Loop& loop, const TempFolder& folder) {
+  Loop card = loop;
+  card.frames = 1;
   writeFile(folder / "rig.toml", rigText(loop, false, false));
   writeFile(folder / "card_rig.toml", rigText(loop, true, false));
   writeFile(
@@ -297,8 +299,8 @@ void prepareLoop(const Loop& loop, const TempFolder& folder) {
       planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
                "[after]\nsteps = [\"brdf\", \"stbrdf\"]\nbin = " + std::to_string(loop.bin) +
                    "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
-  writeFile(folder / "card.toml",
-            planText(loop, "card_rig.toml", "card", 4, "[light_check]\nmode = \"uncontrolled\"\n"));
+  writeFile(folder / "card.toml", planText(card, "card_rig.toml", "card", 4 * loop.frames,
+                                           "[light_check]\nmode = \"uncontrolled\"\n"));
   writeFile(folder / "noise.toml", noisePlanText("card_rig.toml"));
   for (const std::vector<std::string>& args :
        {std::vector<std::string>{"rehearse", folder / "noise.toml"},

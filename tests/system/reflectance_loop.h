@@ -16,6 +16,7 @@ struct Loop {
   int degree = 3;
   int closer = 1;  // the camera sees this part of the specimen's width
   bool shadows = true;
+  int frames = 1;  // of every lamp a step, averaged
 };
 
 // Plan, rigs and card's plans in `folder`; the camera's noise and fields of every lamp in

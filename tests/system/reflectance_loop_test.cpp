@@ -31,6 +31,7 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   loop.bin = setting("PATINA_REFLECTANCE_BIN", 4);
   loop.closer = setting("PATINA_REFLECTANCE_CLOSER", 1);
   loop.steps = setting("PATINA_REFLECTANCE_STEPS", 3);
+  loop.frames = setting("PATINA_REFLECTANCE_FRAMES", 1);
   loop.shadows = setting("PATINA_REFLECTANCE_SHADOWS", 1) != 0;
   const TempFolder folder = TempFolder::inMemory();
   ASSERT_NO_FATAL_FAILURE(prepareLoop(loop, folder));

@@ -31,45 +31,6 @@ TEST(LaneSteps, TheScanFindsTheNearestRoughness) {
   EXPECT_NEAR(std::exp(at.u[0]), 0.16f, 1e-3f);
 }
 
-TEST(LaneSteps, CurvesAreLeastAtTheTruth) {
-  const Planted planted{0.3f, 0.2f, 0.3f};
-  Samples samples = plant(planted);
-  CostCurve curve;
-  costCurve(Model::kGgx, samples, truthOf(planted), curve);
-  int least = 0;
-  for (int j = 1; j < kCurve; ++j)
-    if (curve.cost[j][7] < curve.cost[least][7]) least = j;
-  EXPECT_NEAR(curveLogR(least), std::log(0.3f), 0.08f);
-  EXPECT_NEAR(curve.ks[least][7], 0.2f, 0.03f);
-  EXPECT_LT(curve.slope[least - 1][7], 0);
-  EXPECT_GT(curve.slope[least + 1][7], 0);
-}
-
-// A normal that another roughness went with does not make its own roughness the likeliest.
-TEST(LaneSteps, CurvesTurnTheNormalAlong) {
-  const Planted planted{0.3f, 0.2f, 0.3f};
-  Samples samples = plant(planted);
-  Estimate at = truthOf(planted);
-  const auto costAt = [&](const Estimate& from) {
-    CostCurve curve;
-    costCurve(Model::kGgx, samples, from, curve);
-    int least = 0;
-    for (int j = 1; j < kCurve; ++j)
-      if (curve.cost[j][3] < curve.cost[least][3]) least = j;
-    return curve.cost[least][3];
-  };
-  const float known = costAt(at);
-  for (int k = 0; k < kLanes; ++k) {
-    at.nx[k] += 0.01f;
-    at.nz[k] = std::sqrt(1 - at.nx[k] * at.nx[k] - at.ny[k] * at.ny[k]);
-  }
-  Estimate fixed = at;
-  Equations q;
-  for (int k = 0; k < kLanes; ++k) fixed.u[k] = std::log(0.3f);
-  evaluate(Model::kGgx, samples, fixed, noPrior(), q);
-  EXPECT_LT(costAt(at), known + 0.05f * q.cost[3]);
-}
-
 TEST(LaneSteps, AnOutlierLosesWeightAndAShadowAllOfIt) {
   Samples samples = plant({});
   Estimate at = truthOf({});
