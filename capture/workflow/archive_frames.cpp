@@ -192,6 +192,10 @@ void ArchiveFrames::note(const Chosen& chosen) {
   report_.exposure_time = chosen.shot.exposure;
   report_.iso = chosen.shot.iso;
   if (!chosen.longer.empty()) report_.exposure = chosen.shot.exposure_index;
+  report_.as_short =
+      1 + static_cast<int>(std::ranges::count_if(chosen.longer, [&](const Chosen& c) {
+        return c.shot.exposure <= chosen.shot.exposure;
+      }));
   const std::string& ext = chosen.frame.ext;
   report_.display_referred = ext == "jpg" || ext == "jpeg" || ext == "png" || ext == "tif";
   report_.input_sha256s.push_back(chosen.frame.sha256.hex());
@@ -222,7 +226,8 @@ void ArchiveFrames::decode(const Chosen& chosen, Decoding& decoding) const {
     };
     add(chosen);
     std::ranges::for_each(chosen.longer, add);
-    decoding.merged = chain_->merge(exposures);
+    decoding.merged = correction_.clipped == Clipped::kUnknown ? chain_->mergeWhereKnown(exposures)
+                                                               : chain_->merge(exposures);
     return;
   }
   Image<float>& light = decoding.merged.light;

@@ -53,6 +53,7 @@ struct FramesReport {
   int sizes = 1;                           // how many different ones there were
   SizePx largest;                          // before cropping about the centre
   int exposures = 1;                       // merged into each frame
+  int as_short = 1;                        // of them those as short as the shortest
   std::int64_t saturated_samples = 0;      // in every one of them, over the frames given so far
   double disagreement_most = 0;            // of merged exposures: 1 where the noise model holds
   std::vector<std::string> masters;        // "dark 3: 2.1 days, 0.4 K away"

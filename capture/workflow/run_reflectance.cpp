@@ -131,7 +131,7 @@ class RunFit {
     options.saturated = saturatedLevel();
     options.deep_shadows = true;
     options.neighbour_px = std::min(request_.fit.neighbour_px * request_.bin, 256);
-    options.noise = noiseOfPixels(noiseOf(chain), fit_.states);
+    options.noise = noiseOfPixels(noiseOf(chain), fit_.states, chain.frames().as_short);
     if (const auto filters = chain.filters())
       options.filters = filtersAt(*filters, fit_.region.x, fit_.region.y);
     if (request_.earlier_steps && options.model != brdf::Model::kLambert)

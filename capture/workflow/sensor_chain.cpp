@@ -274,6 +274,11 @@ Image<float> SensorChain::applyWhereKnown(std::size_t bound, std::span<const std
                                           const calibration::ChannelGains& gain) const {
   Image<std::uint8_t> marks;
   Image<float> light = apply(bound, file, gain, &marks);
+  forgetClipped(light, marks);
+  return light;
+}
+
+void SensorChain::forgetClipped(Image<float>& light, const Image<std::uint8_t>& marks) const {
   const int reach = mosaic_ ? 1 : 0;  // a colour is mixed from the pixels around
   for (int y = 0; y < marks.height(); ++y)
     for (int x = 0; x < marks.width(); ++x) {
@@ -284,7 +289,6 @@ Image<float> SensorChain::applyWhereKnown(std::size_t bound, std::span<const std
         for (int u = std::max(0, x - reach); u <= std::min(light.width() - 1, x + reach); ++u)
           std::ranges::fill(light.view().texel(u, v), std::numeric_limits<float>::quiet_NaN());
     }
-  return light;
 }
 
 Image<float> SensorChain::apply(std::size_t bound, std::span<const std::byte> file,
@@ -312,6 +316,18 @@ calibration::NoiseModels SensorChain::noiseOrPhotons() const {
 }
 
 SensorChain::Merged SensorChain::merge(std::span<const Exposure> exposures) const {
+  return merge(exposures, nullptr);
+}
+
+SensorChain::Merged SensorChain::mergeWhereKnown(std::span<const Exposure> exposures) const {
+  Image<std::uint8_t> marks;
+  Merged merged = merge(exposures, &marks);
+  forgetClipped(merged.light, marks);
+  return merged;
+}
+
+SensorChain::Merged SensorChain::merge(std::span<const Exposure> exposures,
+                                       Image<std::uint8_t>* of_merged) const {
   calibration::ChannelGains mean{};
   for (const Exposure& one : exposures)
     for (std::size_t c = 0; c < 3; ++c)
@@ -351,6 +367,7 @@ SensorChain::Merged SensorChain::merge(std::span<const Exposure> exposures) cons
   Merged out{{}, merged.saturated, merged.disagreement};
   out.light = mosaic_ ? demosaicLinear(std::as_const(merged.light).view(), filters_)
                       : std::move(merged.light);
+  if (of_merged) *of_merged = std::move(merged.marks);
   return out;
 }
 

@@ -78,6 +78,8 @@ class SensorChain {
   // Merged before flat and gain, by the noise model, or as photons alone would have it where there
   // is none; gains of one scene differ by little. Thread-safe like apply, after prepareToMerge.
   Merged merge(std::span<const Exposure> exposures) const;
+  // The same; what is clipped in all of them is not known.
+  Merged mergeWhereKnown(std::span<const Exposure> exposures) const;
   void prepare();  // reads the files of what was chosen
   void prepareToMerge();
   const Report& report() const { return report_; }
@@ -93,6 +95,8 @@ class SensorChain {
  private:
   Image<float> apply(std::size_t bound, std::span<const std::byte> file,
                      const calibration::ChannelGains& gain, Image<std::uint8_t>* marks) const;
+  Merged merge(std::span<const Exposure> exposures, Image<std::uint8_t>* marks) const;
+  void forgetClipped(Image<float>& light, const Image<std::uint8_t>& marks) const;
   using Chosen = std::map<std::string, db::RowId>;  // by kind
   struct Ready {
     Chosen chosen;

@@ -12,7 +12,7 @@
 namespace patina::workflow {
 namespace {
 
-constexpr float kLampNoise = 0.001f;  // relative: from shot to shot, and of the calibrations
+constexpr double kFlicker = 0.001, kOfCalibrations = 0.0005;  // of lamps, relative
 
 // Those of the step before stay until texels of this one are there.
 void keepPixels(const SweepFit& fit, const brdf::BrdfMaps& maps, int step) {
@@ -68,14 +68,15 @@ Image<float> pixelsUnder(const StateLight& state, ImageView<const float> frame, 
 }
 
 brdf::FitNoise noiseOfPixels(const calibration::NoiseModel& green,
-                             const std::vector<StateLight>& states) {
+                             const std::vector<StateLight>& states, int averaged) {
   double scale = 0;
   for (const StateLight& state : states)
     scale += 1 / state.white_level / static_cast<double>(states.size());
   brdf::FitNoise noise;
-  noise.floor = static_cast<float>(scale * std::sqrt(green.variance(0)) / green.range());
-  noise.shot = static_cast<float>(scale / (green.electrons_per_number * green.range()));
-  noise.gain = kLampNoise;
+  const double root = std::sqrt(averaged);
+  noise.floor = static_cast<float>(scale * std::sqrt(green.variance(0)) / (root * green.range()));
+  noise.shot = static_cast<float>(scale / (averaged * green.electrons_per_number * green.range()));
+  noise.gain = static_cast<float>(std::hypot(kFlicker / root, kOfCalibrations));
   return noise;
 }
 

@@ -31,9 +31,11 @@ RectPx wholeTexels(RectPx region, int bin);
 Image<float> pixelsUnder(const StateLight& state, ImageView<const float> frame, RectPx region,
                          float mm_per_pixel);
 
-// Of a pixel's sample, scaled as the states' pictures are on average.
+// Of a pixel's sample, scaled as the states' pictures are on average; `averaged`: shots in each of
+// them, of one exposure. Of brackets those as short as the shortest: none of them is clipped where
+// light is brightest.
 brdf::FitNoise noiseOfPixels(const calibration::NoiseModel& green,
-                             const std::vector<StateLight>& states);
+                             const std::vector<StateLight>& states, int averaged = 1);
 
 struct SweepFit {
   brdf::MultiLightOptions options;  // of pixels; `filters` of the region's

@@ -85,6 +85,25 @@ TEST_F(ArchiveFramesOf, ExposuresOfAStepAreMergedAndScaledAsTheShortest) {
               ::testing::ElementsAre(::testing::HasSubstr("calibrate noise")));
 }
 
+TEST_F(ArchiveFramesOf, WhatEveryExposureClipsIsNotKnownWhereThatIsWanted) {
+  makeRun(folder_.path(), {swept(180, 255), swept(255, 255)});
+  const auto frames = all({.merged = true}, {.clipped = Clipped::kUnknown});
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_GT(frames[0].linear.at(5, 5, 1), 0) << "the short one tells";
+  EXPECT_TRUE(std::isnan(frames[1].linear.at(5, 5, 1)));
+}
+
+TEST_F(ArchiveFramesOf, ExposuresAsShortAsTheShortestAreCounted) {
+  MadeStep step = swept(60, 100);
+  MadeShot again = step.shots[1];
+  again.exposure = 2;
+  step.shots.push_back(again);
+  makeRun(folder_.path(), {step});
+  EXPECT_EQ(all({.merged = true}).size(), 1u);
+  EXPECT_EQ(report_.exposures, 3);
+  EXPECT_EQ(report_.as_short, 2);
+}
+
 TEST_F(ArchiveFramesOf, AStepThatLacksAnExposureIsNotMerged) {
   MadeStep lacking = swept(60, 100);
   lacking.shots.pop_back();

@@ -66,6 +66,15 @@ TEST(NoiseOfPixels, IsThatOfGreenScaledAsPicturesAre) {
   EXPECT_NEAR(noise.shot, scale / (2 * 1000), 1e-9);
 }
 
+TEST(NoiseOfPixels, OfAveragedShotsFallsByTheirRootButForWhatCalibrationsAreOffBy) {
+  const std::vector<StateLight> states(1);
+  const brdf::FitNoise one = noiseOfPixels({}, states), sixteen = noiseOfPixels({}, states, 16);
+  EXPECT_NEAR(sixteen.floor, one.floor / 4, 1e-6f * one.floor);
+  EXPECT_NEAR(sixteen.shot, one.shot / 16, 1e-6f * one.shot);
+  EXPECT_LT(sixteen.gain, 0.6f * one.gain);
+  EXPECT_GT(sixteen.gain, one.gain / 4);
+}
+
 TEST(FiltersAt, AreThoseThatARegionBeginsWith) {
   constexpr brdf::Filters kRggb{0, 1, 1, 2};
   EXPECT_EQ(filtersAt(kRggb, 4, 2), kRggb);
