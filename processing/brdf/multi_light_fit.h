@@ -12,10 +12,11 @@
 // noise, times Cauchy's of the residual in units of the texel's own spread (inter-reflection).
 // Left out: clipped levels, n.l <= 0 (attached shadow), levels far below the prediction (cast).
 // With `deep_shadows` a texel that is not met is tried from a mirror's normal, and as one that most
-// lamps do not reach: then all that is darker than predicted is shadow (lane_rivals.cpp).
-// Where a highlight is narrower than the lamps' spacing, ks and r are not known: a second pass
-// holds them to those of like-coloured neighbours (and to `before`, other time steps), each counted
-// by its confidence.
+// lamps do not reach: then all that is darker than predicted is shadow (lane_rivals.cpp); and levels
+// beside a shadow's edge are left out (shadow_map.h).
+// Where a highlight is narrower than the lamps' spacing, or as wide as the diffuse part, ks and r
+// are not known: a second pass holds them to those that like-coloured neighbours tell together
+// (roughness_pool.h), and to `before`, other time steps, each counted by its confidence.
 //
 // The normal and roughness are found on the mean of the channels, kd and ks then for each. The
 // anisotropic Ward model is fitted on top of the isotropic one (anisotropic_fit.h).
@@ -56,9 +57,9 @@ struct MultiLightOptions {
   bool neighbours = true;     // false: after the first pass a texel asks itself and `before` alone
   int neighbour_px = 16;      // how far it looks, 1 to 256
   float like_colour = 0.04f;  // difference of diffuse colour that still counts as like
-  // How far specular reflectance is expected from 0.04, a dielectric's: what decides where a wide
-  // lobe and the diffuse part are one within the noise. Lamps that tell overrule it. (0,1]; not of
-  // Torrance and Sparrow's model, whose strength is no reflectance.
+  // How far specular reflectance is expected above 0.025, a dielectric's (below: 0.3 of that): what
+  // decides where a wide lobe and the diffuse part are one within the noise. Lamps that tell
+  // overrule it. (0,1]; not of Torrance and Sparrow's model, whose strength is no reflectance.
   float specular_spread = 0.02f;
   // Pictures are a mosaic, [h][w][1]: colours of its 2x2 cell. So are the maps of diffuse and
   // specular colour then (pixel_maps.h); like-looking are neighbours of the same colour.

@@ -121,8 +121,8 @@ void addBrdfVerbs(Verb root) {
             "Keep nothing but the reflectance: no residual of stored values over the lights")
       .flag("--alone", o->alone, "Texels ask no neighbours for a gloss that they cannot tell")
       .option("--specular-spread", o->specular_spread, 1e-3, 1,
-              "How far from 0.04, a dielectric's, specular reflectance is expected where lights do "
-              "not tell (default: 0.02; 1: no matter)")
+              "How far above 0.025, a dielectric's, specular reflectance is expected where lights "
+              "do not tell (default: 0.02; 1: no matter)")
       .option("--out", o->out, "SET", "Where to (default, of a run: inside the archive)");
   addRunFitOptions(verb, o->of_run);
 }
