@@ -12,11 +12,11 @@
 // noise, times Cauchy's of the residual in units of the texel's own spread (inter-reflection).
 // Left out: clipped levels, n.l <= 0 (attached shadow), levels far below the prediction (cast).
 // With `deep_shadows` a texel that is not met is tried from a mirror's normal, and as one that most
-// lamps do not reach: then all that is darker than predicted is shadow (lane_rivals.cpp); and levels
-// beside a shadow's edge are left out (shadow_map.h).
-// Where a highlight is narrower than the lamps' spacing, or as wide as the diffuse part, ks and r
-// are not known: a second pass holds them to those that like-coloured neighbours tell together
-// (roughness_pool.h), and to `before`, other time steps, each counted by its confidence.
+// lamps do not reach: then all that is darker than predicted is shadow (lane_rivals.cpp); and
+// levels beside a shadow's edge are left out (shadow_map.h). Where a highlight is narrower than the
+// lamps' spacing, or as wide as the diffuse part, ks and r are not known: a second pass holds them
+// to those that like-coloured neighbours tell together (roughness_pool.h), and to `before`, other
+// time steps, each counted by its confidence.
 //
 // The normal and roughness are found on the mean of the channels, kd and ks then for each. The
 // anisotropic Ward model is fitted on top of the isotropic one (anisotropic_fit.h).

@@ -2,7 +2,7 @@
 // One plan, rehearsed: reflectance and its ageing through archive and calibration, by itself, held
 // against the twin's truth. It prints a row of the table in docs/reflectance.md;
 // with PATINA_REFLECTANCE_STEPS, of all seven specimens (_SIDE, _BIN: pixels of frame and texel;
-// _CLOSER: times).
+// _CLOSER: times; _FRAMES: of a lamp, averaged).
 #include "tests/system/reflectance_loop.h"
 
 #include <gtest/gtest.h>
@@ -49,16 +49,16 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   std::fflush(stdout);
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
-  // docs/reflectance.md tells what misses and why: of the whole width, of snow and of faint gloss.
+  // docs/reflectance.md tells what misses and why: of the whole width, of snow and of few texels.
   const auto is = [&](const char* name) { return loop.specimen == name; };
   const bool snow = is("snow_accumulation"), grass = is("grass_growth"),
              faint = snow || grass || is("paint_cracking"),
              small = loop.bin < 6;  // texels: the mosaic's
   if (is("banana_ripening") || is("wood_drying") ||
       (loop.closer >= 8 && (!faint || loop.steps == 3))) {
-    EXPECT_LE(s.diffuse_rms, snow ? 0.0125 : small ? 0.015 : 0.01);
+    EXPECT_LE(s.diffuse_rms, snow ? 0.0115 : small ? 0.015 : 0.01);
     EXPECT_LE(s.told_specular_rms, 0.02);
-    EXPECT_LE(s.told_alpha_rms, snow ? 0.06 : faint ? 0.045 : small ? 0.05 : 0.03);
+    EXPECT_LE(s.told_alpha_rms, snow ? 0.05 : small ? 0.04 : 0.03);
     EXPECT_LE(s.normal_median_deg, grass ? 1 : 0.2);
     EXPECT_LE(s.sure_specular_rms, 0.02);
     EXPECT_LE(s.sure_alpha_rms, 0.03);
