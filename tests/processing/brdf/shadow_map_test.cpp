@@ -28,7 +28,7 @@ ShadowMap withShadowOf(std::size_t lamp, std::size_t lamps) {
   return map;
 }
 
-std::set<Place> forgotten(const ShadowMap& map, std::size_t lamp, Samples samples) {
+std::set<Place> forgotten(const ShadowMap& map, std::size_t lamp, const Samples& samples) {
   std::set<Place> places;
   for (int y = 0; y < kSize.height; ++y)
     for (int x0 = 0; x0 < kSize.width; x0 += kLanes) {
