@@ -355,7 +355,7 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   if (options.model == Model::kTorranceSparrow) first.specular_spread = 1;
   Fitter fitter(samples, first);
   fitter.firstPass(progress);
-  if (first.deep_shadows) fitter.besideShadows(progress);
+  if (first.deep_shadows && options.model != Model::kLambert) fitter.besideShadows(progress);
   FitState& state = fitter.state();
   if (options.filters)
     state.look = demosaicLinear(std::as_const(state.look).view(), *options.filters);

@@ -89,7 +89,7 @@ struct MultiLightReport {
 struct MultiLightFit {
   BrdfMaps maps;  // extra: Confidence (of specular and roughness), Residual (RMS of the texel)
   // [h][w]: 1 where five levels or more counted and, with `deep_shadows`, no shadow's edge divides
-  // the pixel; else it is what little there is.
+  // the pixel and it is no darker than materials are; else it is what little there is.
   Image<std::uint8_t> told;
   MultiLightReport report;
 };

@@ -39,6 +39,16 @@ TEST(MultiLightFit, LambertsNormalsAndAlbedoOfAMattSurface) {
   EXPECT_TRUE(fit.maps.specular.empty());
 }
 
+TEST(MultiLightFit, AMattModelIsFittedNoGlossWhateverIsThoughtOfShadows) {
+  const LitSurface surface = lit(rollingMaps(20, 16, {0.1f, 0.3f}), Model::kGgx, dome(12));
+  MultiLightOptions options = calmOptions(Model::kLambert);
+  const MultiLightFit plain = fitOf(surface.samples, options);
+  options.deep_shadows = true;
+  const MultiLightFit deep = fitOf(surface.samples, options);
+  EXPECT_EQ(deep.maps.diffuse.texels(), plain.maps.diffuse.texels());
+  EXPECT_EQ(deep.maps.normal.texels(), plain.maps.normal.texels());
+}
+
 TEST(MultiLightFit, IsTheSameToTheBitForAnyNumberOfThreads) {
   const LitSurface surface = lit(rollingMaps(40, 40, {0.1f, 0.2f}), Model::kGgx, dome(16));
   const auto with = [&](std::size_t threads) {
