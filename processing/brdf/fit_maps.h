@@ -13,6 +13,9 @@ namespace patina::brdf {
 constexpr float kWideLogR = -1.2f, kWideLogRWeight = 0.5f;  // of a texel nobody knows: e^-1.2
 // Specular reflectance expected of what is no metal: water's is 0.02, glass's 0.04.
 constexpr float kDielectric = 0.025f;
+// 2 ln of how much less likely what is no dielectric has a given reflectance than a dielectric has
+// its own: as often met, spread seven times as wide.
+constexpr float kAnyPrice = 4;
 
 // [h][w] each, of one kind of number.
 struct FitState {

@@ -9,6 +9,7 @@
 #include "processing/brdf/fit_maps.h"
 #include "processing/brdf/fit_tile.h"
 #include "processing/brdf/lane_fit.h"
+#include "processing/brdf/roughness_curve.h"
 #include "processing/brdf/roughness_pool.h"
 #include "processing/brdf/shadow_map.h"
 #include "processing/image/linear_mosaic.h"
@@ -43,9 +44,11 @@ struct Counts {
 
 class Fitter {
  public:
-  Fitter(const std::vector<FitSample>& samples, const MultiLightOptions& options)
+  // `together`: texels will be held to others, by again().
+  Fitter(const std::vector<FitSample>& samples, const MultiLightOptions& options, bool together)
       : samples_(samples),
         options_(options),
+        together_(together),
         state_(samples[0].picture.size(), samples[0].picture.channels),
         rows_(static_cast<std::size_t>(state_.size.height)) {
     if (options.deep_shadows) shadows_.emplace(state_.size, samples.size());
@@ -56,7 +59,7 @@ class Fitter {
   void firstPass(Progress& progress) {
     // The passes after this one are rounds too.
     MultiLightOptions first = options_;
-    if (options_.neighbours) first.rounds = std::max(1, options_.rounds - 1);
+    if (together_) first.rounds = std::max(1, options_.rounds - 1);
     progress.begin("reflectance", state_.size.height);
     forEachTile(
         [&](FitTile& tile, int x0, int y) {
@@ -75,7 +78,7 @@ class Fitter {
           keep(tile, at, q, prior, nullptr, x0, y);
           if (shadows_)
             shadows_->keep(tile.lanes(), x0, y);
-          else if (glossy())
+          else if (together_)
             keepCurves(tile, at, x0, y);
         },
         progress);
@@ -90,7 +93,7 @@ class Fitter {
           Equations q;
           const Estimate at = refineAgain(tile, nullptr, prior, x0, y, q);
           keep(tile, at, q, prior, nullptr, x0, y);
-          if (glossy()) keepCurves(tile, at, x0, y);
+          if (together_) keepCurves(tile, at, x0, y);
         },
         progress);
   }
@@ -237,7 +240,7 @@ class Fitter {
     lanes::CostCurve curve;
     lanes::costCurve(options_.model, tile.lanes(), at, curve);
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k) {
-      keepCurve(state_, curve, spread2[k], x0 + k, y, k);
+      keepCurve(state_, options_, curve, spread2[k], x0 + k, y, k);
       keepLook(tile, x0 + k, y, k);
     }
   }
@@ -329,13 +332,14 @@ class Fitter {
 
   const std::vector<FitSample>& samples_;
   const MultiLightOptions& options_;
+  bool together_;
   FitState state_;
   std::optional<ShadowMap> shadows_;  // with `deep_shadows`
   std::vector<Counts> rows_;
 };
 
-void holdToNeighbours(Fitter& fitter, const std::vector<FitBefore>& before,
-                      const MultiLightOptions& options, Progress& progress) {
+void holdToOthers(Fitter& fitter, const std::vector<FitBefore>& before,
+                  const MultiLightOptions& options, Progress& progress) {
   PriorMaps prior(fitter.state().size, fitter.state().specular.channels());
   poolRoughness(fitter.state(), before, options, prior, progress);
   fitter.again(prior, progress);
@@ -353,13 +357,14 @@ MultiLightFit fitManyLights(const std::vector<FitSample>& samples, const MultiLi
   if (options.model == Model::kWardAnisotropic)
     first.model = Model::kWard, first.deep_shadows = false;
   if (options.model == Model::kTorranceSparrow) first.specular_spread = 1;
-  Fitter fitter(samples, first);
+  const bool together = options.model != Model::kLambert && (options.neighbours || !before.empty());
+  Fitter fitter(samples, first, together);
   fitter.firstPass(progress);
   if (first.deep_shadows && options.model != Model::kLambert) fitter.besideShadows(progress);
   FitState& state = fitter.state();
-  if (options.filters)
+  if (together && options.filters)
     state.look = demosaicLinear(std::as_const(state.look).view(), *options.filters);
-  if (options.model != Model::kLambert) holdToNeighbours(fitter, before, first, progress);
+  if (together) holdToOthers(fitter, before, first, progress);
   MultiLightFit fit;
   fit.report = fitter.report();
   fit.maps.diffuse = std::move(state.diffuse);

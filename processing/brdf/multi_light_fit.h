@@ -54,7 +54,7 @@ struct MultiLightOptions {
   float mm_per_texel = 1;     // for near lights
   int rounds = 3;             // of weights, 1 to 10
   int steps = 4;              // of Levenberg and Marquardt a round, 1 to 50
-  bool neighbours = true;     // false: after the first pass a texel asks itself and `before` alone
+  bool neighbours = true;     // false: a texel is held to `before` alone, if there is any
   int neighbour_px = 16;      // how far it looks, 1 to 256
   float like_colour = 0.04f;  // difference of diffuse colour that still counts as like
   // How far specular reflectance is expected above 0.025, a dielectric's (below: 0.3 of that): what
