@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "processing/brdf/roughness_pool.h"
+
 namespace patina::brdf {
 namespace {
 
@@ -43,6 +45,33 @@ TEST(RoughnessCurve, NoTexelOutvotesManyOthers) {
   ofLikeTexels(cost, parabola(1e6f), slopesOfParabola(1e6f));
   EXPECT_LE(*std::max_element(cost.begin(), cost.end()), 1.001f * kMostSay);
   EXPECT_GE(cost.front(), 0.99f * kMostSay);
+}
+
+// One texel of sixteen looks like the others and tells its own roughness well, they hardly tell
+// theirs.
+TEST(RoughnessCurve, AFewUnlikeTexelsDoNotOutvoteTheOthers) {
+  constexpr SizePx kSize{24, 24};
+  const MultiLightOptions options;
+  FitState state(kSize, 1);
+  for (float& v : state.look.texels()) v = 0.4f;
+  for (float& v : state.misfit.texels()) v = 1;
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      const bool unlike = x % 4 == 0 && y % 4 == 0;
+      const float at = unlike ? -1.6f : -0.2f, curvature = unlike ? 2000 : 2;
+      lanes::CostCurve curve;
+      for (std::size_t j = 0; j < lanes::kCurve; ++j) {
+        curve.cost[j][0] = parabola(curvature, at)[j];
+        curve.slope[j][0] = 2 * curvature * (logR(j) - at);
+        curve.ks[j][0] = kDielectric;
+        curve.information[j][0] = 1e4f;
+      }
+      keepCurve(state, options, curve, 1, x, y, 0);
+    }
+  PriorMaps prior(kSize, 1);
+  Progress progress;
+  poolRoughness(state, {}, options, prior, progress);
+  EXPECT_NEAR(prior.log_r.at(13, 13), -0.2f, 0.1f);
 }
 
 // A valley of a strength of its own, where with any material's strength all roughnesses cost alike.
