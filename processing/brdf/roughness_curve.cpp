@@ -29,10 +29,10 @@ Valley lowestOf(const Curve& cost, const Curve& slope) {
 }
 
 std::size_t nearestTo(float log_r) {
-  std::size_t nearest = 0;
-  for (std::size_t j = 1; j < kCurve; ++j)
-    if (std::abs(logR(j) - log_r) < std::abs(logR(nearest) - log_r)) nearest = j;
-  return nearest;
+  const Curve& grid = logRs();
+  const auto after = static_cast<std::size_t>(
+      std::lower_bound(grid.begin() + 1, grid.end() - 1, log_r) - grid.begin());
+  return log_r - grid[after - 1] <= grid[after] - log_r ? after - 1 : after;
 }
 
 float atMost(float cost) {
@@ -42,24 +42,25 @@ float atMost(float cost) {
 
 }  // namespace
 
-float logR(std::size_t j) {
+const Curve& logRs() {
   static const Curve grid = [] {
     Curve all;
     for (std::size_t i = 0; i < kCurve; ++i) all[i] = lanes::curveLogR(static_cast<int>(i));
     return all;
   }();
-  return grid[j];
+  return grid;
 }
 
 Curve slopesOf(const Curve& cost) {
+  const Curve& grid = logRs();
   Curve slope;
   const auto rise = [&](std::size_t j) {
-    return (cost[j + 1] - cost[j]) / (logR(j + 1) - logR(j));
+    return (cost[j + 1] - cost[j]) / (grid[j + 1] - grid[j]);
   };
   slope.front() = rise(0);
   slope.back() = rise(kCurve - 2);
   for (std::size_t j = 1; j + 1 < kCurve; ++j) {
-    const float before = logR(j) - logR(j - 1), after = logR(j + 1) - logR(j);
+    const float before = grid[j] - grid[j - 1], after = grid[j + 1] - grid[j];
     slope[j] = (rise(j) * before + rise(j - 1) * after) / (before + after);
   }
   return slope;
@@ -83,9 +84,10 @@ float Cubic::lowest() const {
 
 void ofLikeTexels(Curve& own, const Curve& held, const Curve& held_slopes) {
   const Valley valley = lowestOf(held, held_slopes);
+  const Curve& grid = logRs();
   Curve share;
   for (std::size_t j = 0; j < kCurve; ++j) {
-    const float off = logR(j) - valley.log_r, cost = std::max(held[j] - valley.cost, 0.0f);
+    const float off = grid[j] - valley.log_r, cost = std::max(held[j] - valley.cost, 0.0f);
     share[j] = off * off / (off * off + cost * kLeastSpread2);
   }
   // In the valley's middle it is one nothing over another: as beside it.

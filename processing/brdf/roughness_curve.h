@@ -11,7 +11,8 @@ namespace patina::brdf {
 
 // By roughness, at the places of lanes::curveLogR().
 using Curve = std::array<float, lanes::kCurve>;
-float logR(std::size_t j);
+const Curve& logRs();
+inline float logR(std::size_t j) { return logRs()[j]; }
 // By ln r, through each entry and its neighbours.
 Curve slopesOf(const Curve& cost);
 

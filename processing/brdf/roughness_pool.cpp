@@ -28,12 +28,13 @@ constexpr float kLowerShare = 0.3f;  // of the spread, below: none reflects less
 constexpr float kRoughLogR = -0.5f, kNarrowPrice = 9;
 constexpr float kBeforeSpread2 = 0.1f * 0.1f;  // of ln r from one time step to the next
 constexpr float kUnlikely = 24;                // of cost above the least: has no say
-constexpr int kParts = 8;                      // of an interval, that likelihoods are summed over
+constexpr std::size_t kParts = 8;              // of an interval, that likelihoods are summed over
 
 // The strength of least cost at every roughness, at least 0 and held to what materials are; costs
 // of both. Torrance and Sparrow's strength is no reflectance: its spread says so.
 void settle(Pool& sum, Crowd& crowd, const MultiLightOptions& options) {
   const float fewer = 1 / crowd.crowding();
+  const Curve& grid = logRs();
   for (std::size_t j = 0; j < kCurve; ++j) {
     const float a = sum.information[j] * fewer, moment = sum.moment[j] * fewer;
     const float own = a > 0 ? moment / a : kDielectric;
@@ -43,7 +44,7 @@ void settle(Pool& sum, Crowd& crowd, const MultiLightOptions& options) {
     const float off = held - kDielectric, from_own = held - own;
     const bool metal = own > kDielectric && a * from_own * from_own + p * off * off > kAnyPrice;
     const float ks = metal ? own : held, price = metal ? kAnyPrice : p * off * off;
-    const float off_r = logR(j) - kRoughLogR,
+    const float off_r = grid[j] - kRoughLogR,
                 rough = kNarrowPrice * off_r * off_r / (kNarrowPrice + off_r * off_r);
     sum.specular[j] = ks;
     sum.cost[j] = sum.cost[j] * fewer - ks * (2 * moment - a * ks) + price + rough;
@@ -83,7 +84,23 @@ struct Likely {
   float specular = 0;
   float cost = HUGE_VALF;  // the least
 };
+// r in the middle of each part.
+const std::array<float, kCurve * kParts>& partsR() {
+  static const std::array<float, kCurve* kParts> all = [] {
+    std::array<float, kCurve * kParts> r{};
+    for (std::size_t j = 0; j + 1 < kCurve; ++j)
+      for (std::size_t part = 0; part < kParts; ++part) {
+        const float t = (static_cast<float>(part) + 0.5f) / kParts;
+        r[j * kParts + part] = std::exp(logR(j) + t * (logR(j + 1) - logR(j)));
+      }
+    return r;
+  }();
+  return all;
+}
+
 Likely likelyOf(const Pool& pool) {
+  const Curve& grid = logRs();
+  const auto& parts_r = partsR();
   const Curve slope = slopesOf(pool.cost);
   const float least = *std::min_element(pool.cost.begin(), pool.cost.end());
   Likely likely;
@@ -91,12 +108,12 @@ Likely likelyOf(const Pool& pool) {
   for (std::size_t j = 0; j + 1 < kCurve; ++j) {
     if (std::min(pool.cost[j], pool.cost[j + 1]) > least + kUnlikely) continue;
     const Cubic cubic(pool.cost, slope, j);
-    for (int part = 0; part < kParts; ++part) {
+    for (std::size_t part = 0; part < kParts; ++part) {
       const float t = (static_cast<float>(part) + 0.5f) / kParts, cost = cubic.at(t);
-      const float off = t * cubic.h(), from_rough = logR(j) + off - kRoughLogR;
+      const float off = t * cubic.h(), from_rough = grid[j] + off - kRoughLogR;
       const float w = cubic.h() * std::exp(-0.5f * std::max(cost - least, -kUnlikely));
       sum += w, u += w * from_rough, u2 += w * from_rough * from_rough;
-      r += w * std::exp(logR(j) + off);
+      r += w * parts_r[j * kParts + part];
       specular += w * (pool.specular[j] * (1 - t) + pool.specular[j + 1] * t);
       likely.cost = std::min(likely.cost, cost);
     }
