@@ -24,8 +24,9 @@ struct Pool {
 
 constexpr float kLikely2 = 4;  // so near are most dielectrics, squared, in units of their spread
 constexpr float kLowerShare = 0.3f;  // of the spread, below: none reflects less than water
-// Most surfaces are rough: r is 0.6, more or less by e; those far from that are as many.
-constexpr float kRoughLogR = -0.5f, kNarrowPrice = 9;
+// Most surfaces are rough: r is 0.6, more or less by e. Mirrors are met too: none costs more than
+// that.
+constexpr float kRoughLogR = -0.5f, kMirrorPrice = 9;
 constexpr float kBeforeSpread2 = 0.1f * 0.1f;  // of ln r from one time step to the next
 constexpr float kUnlikely = 24;                // of cost above the least: has no say
 constexpr std::size_t kParts = 8;              // of an interval, that likelihoods are summed over
@@ -45,7 +46,7 @@ void settle(Pool& sum, Crowd& crowd, const MultiLightOptions& options) {
     const bool metal = own > kDielectric && a * from_own * from_own + p * off * off > kAnyPrice;
     const float ks = metal ? own : held, price = metal ? kAnyPrice : p * off * off;
     const float off_r = grid[j] - kRoughLogR,
-                rough = kNarrowPrice * off_r * off_r / (kNarrowPrice + off_r * off_r);
+                rough = kMirrorPrice * off_r * off_r / (kMirrorPrice + off_r * off_r);
     sum.specular[j] = ks;
     sum.cost[j] = sum.cost[j] * fewer - ks * (2 * moment - a * ks) + price + rough;
   }
