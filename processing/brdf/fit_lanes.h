@@ -100,7 +100,7 @@ void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& pri
 // Least costs over kd, ks and the normal (by one step of Gauss and Newton from
 // the one at hand) for roughnesses of a grid, held to no prior, with the weights as they are; their
 // slopes by ln r; and ks of either sign with 1 / its variance, in units of the noise.
-constexpr int kCurve = 28;
+constexpr int kCurve = 41;
 constexpr float kSmallestR = 0.02f, kLargestR = 1.0f;
 // ln r of entry j, rising between those. Wide lobes change sooner: entries are even in ln r + 6 r.
 float curveLogR(int j);
@@ -119,6 +119,9 @@ void tryRivals(const MultiLightOptions& options, Samples& samples, Estimate& at,
                Equations& equations);
 // From residuals at `at`, whose lobes have just been found.
 void reweigh(Samples& samples, const Estimate& at);
+// After that: levels within three spreads of `at` count in full. Less by less, they are right for
+// that estimate's roughness, of whose noise they then carry a part to all others.
+void countInFull(Samples& samples);
 
 struct Certainty {
   // 1 / (1 + (sigma of ks / 0.014)^2 + (sigma of r / 0.021)^2), by its own lights and the priors:

@@ -10,6 +10,7 @@ namespace patina::brdf::lanes {
 namespace {
 
 constexpr float kCauchy = 2.4f;       // of the texel's own spread
+constexpr float kFullOver = 2.56f;    // a weight's part at three spreads from the prediction
 constexpr float kShadowShare = 0.6f;  // of the prediction, and
 constexpr float kShadowSpread = 6;    // spreads below it: cast shadow
 constexpr float kPartSigma = 4,
@@ -125,6 +126,12 @@ void reweigh(Samples& samples, const Estimate& at) {
       light.weight.v[k] = counted.v[k] > 0 ? weight : light.weight.v[k];
     }
   }
+}
+
+void countInFull(Samples& samples) {
+  for (Light& light : samples.light)
+    for (int k = 0; k < kLanes; ++k)
+      light.weight[k] = std::min(light.noise[k], kFullOver * light.weight[k]);
 }
 
 void refine(const MultiLightOptions& options, Samples& samples, Estimate& at, const Prior& prior,

@@ -233,12 +233,13 @@ class Fitter {
   }
 
   void keepCurves(FitTile& tile, const Estimate& at, int x0, int y) {
-    const Samples& s = tile.lanes();
+    Samples& s = tile.lanes();
+    lanes::countInFull(s);
     Lane spread2;
     for (int k = 0; k < kLanes; ++k)
       spread2[k] = static_cast<float>(lanes::fitOf(s, at, options_.noise.gain, k).spread2(4));
     lanes::CostCurve curve;
-    lanes::costCurve(options_.model, tile.lanes(), at, curve);
+    lanes::costCurve(options_.model, s, at, curve);
     for (int k = 0; k < kLanes && x0 + k < state_.size.width; ++k) {
       keepCurve(state_, options_, curve, spread2[k], x0 + k, y, k);
       keepLook(tile, x0 + k, y, k);

@@ -61,7 +61,9 @@ Curve slopesOf(const Curve& cost) {
   slope.back() = rise(kCurve - 2);
   for (std::size_t j = 1; j + 1 < kCurve; ++j) {
     const float before = grid[j] - grid[j - 1], after = grid[j + 1] - grid[j];
-    slope[j] = (rise(j) * before + rise(j - 1) * after) / (before + after);
+    const float most = 3 * std::min(std::abs(rise(j - 1)), std::abs(rise(j)));
+    slope[j] =
+        std::clamp((rise(j) * before + rise(j - 1) * after) / (before + after), -most, most);
   }
   return slope;
 }

@@ -47,6 +47,20 @@ TEST(LaneSteps, AnOutlierLosesWeightAndAShadowAllOfIt) {
   EXPECT_GT(samples.light[7].weight[0], 0.7f * samples.light[7].noise[0]);
 }
 
+TEST(LaneSteps, WhatIsWithinThreeSpreadsCountsInFullAndAnOutlierStillDoesNot) {
+  Samples samples = plant({});
+  for (Light& light : samples.light)
+    for (int k = 0; k < kLanes; ++k) light.weight[k] = light.noise[k] / (1 + 1.25f * 1.25f);
+  samples.light[2].weight[0] = 0.1f * samples.light[2].noise[0];
+  samples.light[5].weight[0] = 0;
+  countInFull(samples);
+  EXPECT_NEAR(samples.light[7].weight[0], samples.light[7].noise[0],
+              2e-3f * samples.light[7].noise[0]);
+  EXPECT_NEAR(samples.light[2].weight[0], 0.256f * samples.light[2].noise[0],
+              1e-3f * samples.light[2].noise[0]);
+  EXPECT_EQ(samples.light[5].weight[0], 0);
+}
+
 TEST(LaneSteps, APriorHoldsARoughnessThatNothingTells) {
   Samples samples = plant({0.3f, 0, 0.2f}, 8);
   for (std::size_t i = 0; i < samples.count; ++i)

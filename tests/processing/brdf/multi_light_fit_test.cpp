@@ -141,6 +141,23 @@ TEST(MultiLightFit, HighlightsNarrowerThanTheLampsSpacingAreSharedAmongNeighbour
   EXPECT_LT(shared, 0.03);
 }
 
+// Slate: all texels together tell its roughness well, and no noise of theirs may move it one way.
+TEST(MultiLightFit, NoiseDoesNotShiftTheRoughnessOfAWideFaintLobe) {
+  BrdfMaps truth = rollingMaps(128, 96, {0.035f, 0.5f});
+  for (float& v : truth.diffuse.texels()) v = 0.1f;
+  for (std::size_t i = 0; i < truth.normal.texels().size(); ++i)
+    truth.normal.texels()[i] = i % 3 == 2 ? 1.0f : 0.0f;
+  MultiLightOptions options = calmOptions();
+  options.noise = {1e-4f, 4.9e-5f, 3e-4f};
+  const LitSurface surface = lit(truth, Model::kGgx, dome(24), 0.007 * std::sqrt(3.0));
+  const MultiLightFit fit = fitOf(surface.samples, options);
+  float off = 0, off_specular = 0;
+  for (const float v : fit.maps.roughness.texels()) off += (v - 0.5f) / (128 * 96);
+  for (const float v : fit.maps.specular.texels()) off_specular += (v - 0.035f) / (128 * 96 * 3);
+  EXPECT_NEAR(off, 0, 0.008f);
+  EXPECT_NEAR(off_specular, 0, 0.003f);
+}
+
 TEST(MultiLightFit, HoldsAGlossThatItCannotTellToThatOfAnotherTimeStep) {
   const BrdfMaps truth = rollingMaps(24, 16, {0.06f, 0.25f});
   const LitSurface surface = lit(truth, Model::kGgx, dome(7, 40), 0.02);

@@ -40,6 +40,21 @@ TEST(RoughnessCurve, AParabolaOfOneTexelIsWiderByWhatTexelsDifferBy) {
   }
 }
 
+// A lobe that is nearly as wide as the diffuse part needs ever more strength to be wider still.
+TEST(RoughnessCurve, TheWallBesideAValleyMakesNoDeeperValleyBeforeIt) {
+  Curve cost = parabola(900, -0.7f);
+  for (std::size_t j = 0; j < lanes::kCurve; ++j)
+    cost[j] += 0.02f * std::exp(std::min(40 * (logR(j) + 0.7f), 15.0f));
+  const Curve slope = slopesOf(cost);
+  for (std::size_t j = 0; j + 1 < lanes::kCurve; ++j) {
+    const Cubic cubic(cost, slope, j);
+    const float least = std::min(cost[j], cost[j + 1]);
+    const bool valley = cubic.leadsDown();
+    for (float t = 0; t <= 1; t += 0.125f)
+      EXPECT_GE(cubic.at(t), least - (valley ? 3 : 1e-3f * std::max(1.0f, cost[j + 1]))) << j;
+  }
+}
+
 TEST(RoughnessCurve, NoTexelOutvotesManyOthers) {
   Curve cost = parabola(1e6f);
   ofLikeTexels(cost, parabola(1e6f), slopesOfParabola(1e6f));

