@@ -81,6 +81,7 @@ KeptCalibration keepAlbedo(const fs::path& archive, const AlbedoRequest& request
   calibration.row = outcome.from.row;
   calibration.row.kind = "albedo";
   calibration.values = factsOf(outcome);
+  addPatch(calibration.values, outcome.from.patch);
   calibration.file_name = "albedo.json";
   calibration.write = [&](const fs::path& file) { writeAlbedo(file, outcome); };
   calibration.run_id = outcome.from.run_id;

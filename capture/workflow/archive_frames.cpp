@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::int64_t kBatchBytes =
     200'000'000;  // of decoded frames; decoding needs as much again
+constexpr double kSamePatch = 0.15;  // the light of a lamp does not change by more, relative
 
 template <class Range>
 std::string listed(const Range& choices) {
@@ -78,29 +79,6 @@ bool hasFlat(const FramesReport& report) {
                              [](const std::string& used) { return used.starts_with("flat "); });
 }
 
-std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
-                                 const std::string& camera) {
-  std::array<float, 3> gain{1, 1, 1};
-  int best[3] = {0, 0, 0};
-  for (const db::LightCheckRow& check : checks) {
-    // Of a patch that was covered it is the gain before that.
-    if (check.verdict != "correct" && check.verdict != "pass" && check.verdict != "covered")
-      continue;
-    if (!(check.gain > 0) || !std::isfinite(check.gain)) continue;
-    const bool patch = check.source == "patch:" + camera;
-    if (!patch && check.source.starts_with("patch:")) continue;
-    for (int c = 0; c < 3; ++c) {
-      const bool own = check.channel == std::string(1, "rgb"[c]);
-      if (!own && (check.channel == "r" || check.channel == "g" || check.channel == "b")) continue;
-      const int rank = 1 + own + 2 * patch;
-      if (rank <= best[c]) continue;
-      best[c] = rank;
-      gain[static_cast<std::size_t>(c)] = static_cast<float>(check.gain);
-    }
-  }
-  return gain;
-}
-
 std::int64_t ArchiveFrames::count() const { return static_cast<std::int64_t>(chosen_.size()); }
 
 void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection& selection) {
@@ -133,6 +111,7 @@ void ArchiveFrames::choose(const db::ArchiveReader& reader, const FrameSelection
       partial.insert(step.front().shot.step_id);
       continue;
     }
+    if (index == 0) first_shot_ = step.front().shot;
     if (index++ % selection.every != 0 || step.front().step < selection.from_step) continue;
     Chosen chosen = std::move(step.front());
     chosen.longer.assign(std::make_move_iterator(step.begin() + 1),
@@ -247,13 +226,50 @@ void ArchiveFrames::decode(const Chosen& chosen, Decoding& decoding) const {
     texels[i] *= gain[std::min<std::size_t>(i % channels, 2)];
 }
 
-std::array<float, 3> ArchiveFrames::gainOf(const Chosen& chosen) {
+std::string ArchiveFrames::holdToPatch(const ChannelLevels& level) {
+  if (!correction_.light_gain || !measured_gains_.empty()) return {};
+  patch_ = level;
+  const auto gains = gainByPatch(first_shot_);
+  patch_.reset();
+  if (!gains) return {};
+  for (const float gain : *gains)
+    if (std::abs(1 / gain - 1) > kSamePatch) {
+      char text[240];
+      std::snprintf(text, sizeof text,
+                    "light_gain: under %s the patch is %+.0f %% off what it was when the light was "
+                    "calibrated: another patch, or another lamp? It is not held to; calibrate anew",
+                    report_.light.c_str(), 100 * (1 / gain - 1));
+      return text;
+    }
+  patch_ = level;
+  report_.held_to_patch = true;
+  return {};
+}
+
+std::optional<std::array<float, 3>> ArchiveFrames::gainByPatch(const db::ShotRow& shot) const {
+  if (!patch_) return std::nullopt;
+  const auto seen = patchLevelOf(reader_.lightChecksOfShot(shot.id), report_.camera);
+  if (!seen) return std::nullopt;
+  const double exposed = exposureOver(shot, chosen_.front().shot);
+  std::array<float, 3> gains{};
+  for (std::size_t c = 0; c < 3; ++c)
+    gains[c] = static_cast<float>((*patch_)[c] * exposed / (*seen)[c]);
+  return gains;
+}
+
+// Of a longer exposure, whose patch may be clipped, at worst that of its step's shortest.
+std::array<float, 3> ArchiveFrames::gainOf(const Chosen& chosen, const Chosen& shortest) {
   if (!correction_.light_gain) return {1, 1, 1};
-  const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
-  const std::array<float, 3> gains =
-      measured != measured_gains_.end()
-          ? measured->second
-          : lightGainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
+  std::array<float, 3> gains{};
+  if (const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
+      measured != measured_gains_.end())
+    gains = measured->second;
+  else if (const auto own = gainByPatch(chosen.shot))
+    gains = *own;
+  else if (const auto beside = gainByPatch(shortest.shot))
+    gains = *beside;
+  else
+    gains = lightGainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);
   for (const float gain : gains) {
     report_.gain_min = std::min(report_.gain_min, static_cast<double>(gain));
     report_.gain_max = std::max(report_.gain_max, static_cast<double>(gain));
@@ -270,7 +286,7 @@ void ArchiveFrames::fill() {
     const Chosen& chosen = chosen_[next_ + i];
     const auto read = [&](const Chosen& one) {
       decodings[i].files.push_back(reader_.read(one.frame));
-      decodings[i].gains.push_back(gainOf(one));
+      decodings[i].gains.push_back(gainOf(one, chosen));
     };
     read(chosen);
     std::ranges::for_each(chosen.longer, read);

@@ -15,6 +15,7 @@
 
 #include "calibration/sensor/colour_filters.h"
 #include "calibration/sensor/noise_model.h"
+#include "capture/workflow/shot_light.h"
 #include "db/archive.h"
 #include "processing/ttf/frame_source.h"
 
@@ -62,6 +63,7 @@ struct FramesReport {
   bool display_referred = false;           // JPEG, PNG and the like: exposed for the eye already
   double gain_min = 1, gain_max = 1;       // over the frames given so far
   bool gain_measured = false;              // by `patina light measure`, not while it was captured
+  bool held_to_patch = false;              // as bright as when their light was calibrated
 };
 
 bool hasFlat(const FramesReport& report);  // frames went through one
@@ -73,6 +75,11 @@ class ArchiveFrames final : public ttf::FrameSource {
   // Throws WorkflowError: kUsage with the choices; kBadData when no frame is left.
   ArchiveFrames(const db::ArchiveReader& reader, const std::string& run_id,
                 const FrameSelection& selection, const Correction& correction);
+  // Before the first frame: gains are those that bring the patch to `level`, which it had, at these
+  // frames' exposure and ISO, when their light was calibrated. Not of gains measured since, nor
+  // where the run's first shot was not watched, nor of a patch that is 15 % off there: that is
+  // another one, and said.
+  std::string holdToPatch(const ChannelLevels& level);
   ~ArchiveFrames() override;
 
   std::int64_t count() const override;
@@ -93,7 +100,8 @@ class ArchiveFrames final : public ttf::FrameSource {
   void choose(const db::ArchiveReader& reader, const FrameSelection& selection);
   std::vector<std::vector<Chosen>> byStep(std::vector<Chosen> all, bool merged);
   void note(const Chosen& chosen);
-  std::array<float, 3> gainOf(const Chosen& chosen);
+  std::array<float, 3> gainOf(const Chosen& chosen, const Chosen& shortest);
+  std::optional<std::array<float, 3>> gainByPatch(const db::ShotRow& shot) const;
   void bindMasters();
   struct Decoding;
   void decode(const Chosen& chosen, Decoding& decoding) const;
@@ -105,15 +113,13 @@ class ArchiveFrames final : public ttf::FrameSource {
   UtcTime t0_;
   FramesReport report_;
   std::vector<Chosen> chosen_;
+  db::ShotRow first_shot_;              // of the run under this light
+  std::optional<ChannelLevels> patch_;  // that gains bring it to
   std::unique_ptr<SensorChain> chain_;                          // absent: no masters wanted
   std::map<std::string, std::array<float, 3>> measured_gains_;  // by frame, light_gain.h
   std::set<std::pair<int, int>> sizes_;
   std::size_t next_ = 0, batch_at_ = 0, batch_frames_ = 1;
   std::vector<ttf::SourceFrame> batch_;
 };
-
-// What undoes the drift of a shot's light, per channel, by its verdicts; 1 where there are none.
-std::array<float, 3> lightGainOf(const std::vector<db::LightCheckRow>& checks,
-                                 const std::string& camera);
 
 }  // namespace patina::workflow

@@ -21,16 +21,6 @@ std::vector<std::string> lampsOf(const std::string& light_state) {
   return lamps;
 }
 
-// How much more light numbers of `a` hold than those of `b`; 1 where one does not say.
-template <class A, class B>
-double exposureOver(const A& a, const B& b) {
-  double ratio = 1;
-  if (a.exposure.count() > 0 && b.exposure.count() > 0)
-    ratio *= toSeconds(a.exposure) / toSeconds(b.exposure);
-  if (a.iso > 0 && b.iso > 0) ratio *= a.iso / b.iso;
-  return ratio;
-}
-
 std::string sameFlats(const db::CalibrationRow& row, bool flat) {
   if (Facts::parse(row.value_json).flag("flat") == flat) return {};
   return row.kind + " " + std::to_string(row.id) +
@@ -52,6 +42,21 @@ void addLevels(StateField& field, const db::CalibrationRow& row, const db::Calib
   std::transform(field.levels.texels().begin(), field.levels.texels().end(),
                  painted.texels().begin(), field.levels.texels().begin(),
                  [weight](float sum, float own) { return sum + weight * own; });
+}
+
+void addPatchLevel(StateField& field, const db::CalibrationRow& row,
+                   const db::CalibrationRow& first) {
+  const auto own = patchIn(Facts::parse(row.value_json));
+  if (field.used.empty()) field.patch.emplace();
+  if (!own || !field.patch) return field.patch.reset();
+  for (std::size_t c = 0; c < own->size(); ++c)
+    (*field.patch)[c] += exposureOver(first, row) * (*own)[c];
+}
+
+std::optional<ChannelLevels> atExposure(std::optional<ChannelLevels> level, double over) {
+  if (level)
+    for (double& channel : *level) channel *= over;
+  return level;
 }
 
 [[noreturn]] void noAlbedo(const CalibrationKey& frames, const std::string& left) {
@@ -107,6 +112,7 @@ std::optional<StateField> fieldOfState(const db::ArchiveReader& reader,
     }
     addLevels(field, *choice.row, *first,
               readPicture(fileOfCalibration(reader, *choice.row)).linear);
+    addPatchLevel(field, *choice.row, *first);
     field.used.push_back(choice.used);
     field.sha256s += (field.sha256s.empty() ? "" : "+") + choice.row->sha256;
   }
@@ -143,6 +149,7 @@ EvenLight whiteLightOf(StateField field) {
   EvenLight light;
   light.scale.channels = field.levels.channels();
   light.scale.scale.fill(field.reflectance / field.frames_over_field);
+  light.patch = atExposure(field.patch, field.frames_over_field);
   light.used = std::move(field.used);
   light.field = std::move(field.levels);
   return light;
@@ -164,6 +171,8 @@ EvenLight albedoFor(const db::ArchiveReader& reader, const CalibrationKey& frame
   }
   light.used.insert(light.used.begin(), choice.used);
   for (double& scale : light.scale.scale) scale *= exposureOver(*choice.row, frames);
+  light.patch = atExposure(patchIn(Facts::parse(choice.row->value_json)),
+                           exposureOver(frames, *choice.row));
   return light;
 }
 

@@ -20,6 +20,9 @@ struct EvenLight {
   std::optional<Image<float>> field;  // [h][w][c]; nothing: the light was taken for even
   calibration::AlbedoScale scale;
   std::vector<RunCalibration> used;
+  // What the patch shows in frames of this exposure and ISO while the light is what it was when it
+  // was calibrated. Of what only makes the light even, or was calibrated without a patch: nothing.
+  std::optional<ChannelLevels> patch;
 };
 
 // The light of a state: the sum of what its lamps give, each by its own field, at the exposure of
@@ -32,6 +35,7 @@ struct StateField {
   std::string sha256s;           // of the files, joined by +
   double reflectance = 1;        // of the card that the first was taken from
   double frames_over_field = 1;  // how much more light exposure and ISO of the frames let in
+  std::optional<ChannelLevels> patch{};  // as in those pictures; all of them tell it
 };
 std::optional<StateField> fieldOfState(const db::ArchiveReader& reader,
                                        const calibration::CalibrationKey& frames, bool flat,

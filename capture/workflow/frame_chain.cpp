@@ -96,6 +96,9 @@ void FrameChain::evenTheLight(const calibration::CalibrationKey& key) {
   }
   if (light) {
     append(of_run_, light->used);
+    if (light->patch && !request_.lamps.any())
+      if (const std::string other = frames_.holdToPatch(*light->patch); !other.empty())
+        left_.push_back(other);
     source_ = &even_.emplace(*source_, std::move(*light));
   } else if (request_.correction.masters && !flat) {
     if (const auto known = vignettingFor(reader_, key, stale, left_)) {
@@ -142,6 +145,7 @@ void FrameChain::addOptions(Facts& options) const {
   options.set("partial", request_.selection.partial);
   options.count("file", request_.selection.file_index);
   options.set("light_gain", request_.correction.light_gain);
+  if (frames.held_to_patch) options.set("held_to_patch", true);
   options.set("corrected", request_.correction.masters).set("stale", request_.correction.stale);
   options.text("field_use", request_.field == FieldUse::kAsked  ? "asked"
                             : request_.field == FieldUse::kNone ? "none"

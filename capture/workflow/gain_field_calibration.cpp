@@ -39,6 +39,7 @@ KeptCalibration keepGainField(const fs::path& archive, const GainFieldRequest& r
       .number("cover_height", outcome.report.cover_height)
       .set("flat", outcome.from.flat);
   if (request.reflectance > 0) calibration.values.number("reflectance", request.reflectance);
+  addPatch(calibration.values, outcome.from.patch);
   addZoom(calibration.values, outcome.from.zoom);
   calibration.file_name = "gain_field.exr";
   calibration.write = [&](const fs::path& file) { writeExr(file, outcome.painted.view()); };

@@ -9,6 +9,7 @@
 #include "calibration/lamps/lamp_gains.h"
 #include "capture/workflow/failure.h"
 #include "capture/workflow/light_gain.h"
+#include "capture/workflow/shot_light.h"
 
 namespace patina::workflow {
 

@@ -56,6 +56,20 @@ MeanPicture ofFolder(const MeanPictureRequest& request, UtcTime now, Progress& p
   return mean;
 }
 
+// Of the first `count` frames.
+std::optional<ChannelLevels> patchOf(const db::ArchiveReader& reader, const ArchiveFrames& frames,
+                                     int count) {
+  ChannelLevels mean{};
+  const std::vector<db::FrameRow> rows = frames.rows();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const auto level =
+        patchLevelOf(reader.lightChecksOfShot(rows[i].shot_id), frames.report().camera);
+    if (!level) return std::nullopt;
+    for (std::size_t c = 0; c < mean.size(); ++c) mean[c] += (*level)[c] / count;
+  }
+  return mean;
+}
+
 MeanPicture ofRun(const fs::path& archive, const MeanPictureRequest& request, Progress& progress) {
   const db::ArchiveReader reader(archive);
   MeanPicture mean;
@@ -82,6 +96,7 @@ MeanPicture ofRun(const fs::path& archive, const MeanPictureRequest& request, Pr
         return std::move(frame->linear);
       },
       request.frames_most, progress);
+  mean.patch = patchOf(reader, frames, mean.frames);
   return mean;
 }
 

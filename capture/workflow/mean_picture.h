@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct MeanPicture {
   Zoom zoom;
   db::CalibrationRow row;  // camera, light state, exposure, ISO, size, time, as far as is known
   std::string run_id;
+  std::optional<ChannelLevels> patch;  // of a run: mean over these frames, where all tell it
   std::vector<std::string> input_sha256s;
 };
 // Of a run with its masters but without its light gains. `archive` is needed for a run only. Throws

@@ -153,7 +153,9 @@ class RunFit {
     const std::optional<double> by_card = chain.whiteLevel();
     state.even = by_card.has_value();
     state.white_level = by_card ? *by_card : found.strength_known ? 1 : request_.white_level;
+    state.by_patch = chain.frames().held_to_patch;
     std::string how = by_card ? "white by card" : "white as told";
+    if (state.by_patch) how += ", held by the patch";
     if (!by_card && found.strength_known) how = "white by its strength";
     outcome_.lights.push_back(found.state + ": " + found.from + "; " + how);
     if (!found.sha256.empty()) light_sha256s_.push_back(found.sha256);

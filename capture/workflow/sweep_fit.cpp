@@ -12,7 +12,8 @@
 namespace patina::workflow {
 namespace {
 
-constexpr double kFlicker = 0.001, kOfCalibrations = 0.0005;  // of lamps, relative
+// Of lamps, relative: from shot to shot, and as far as a patch tells it.
+constexpr double kFlicker = 0.001, kOfPatch = 0.0003, kOfCalibrations = 0.0005;
 
 // Those of the step before stay until texels of this one are there.
 void keepPixels(const SweepFit& fit, const brdf::BrdfMaps& maps, int step) {
@@ -76,7 +77,9 @@ brdf::FitNoise noiseOfPixels(const calibration::NoiseModel& green,
   const double root = std::sqrt(averaged);
   noise.floor = static_cast<float>(scale * std::sqrt(green.variance(0)) / (root * green.range()));
   noise.shot = static_cast<float>(scale / (averaged * green.electrons_per_number * green.range()));
-  noise.gain = static_cast<float>(std::hypot(kFlicker / root, kOfCalibrations));
+  const bool by_patch = std::ranges::all_of(states, &StateLight::by_patch);
+  noise.gain =
+      static_cast<float>(std::hypot((by_patch ? kOfPatch : kFlicker) / root, kOfCalibrations));
   return noise;
 }
 

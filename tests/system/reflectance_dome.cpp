@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "devices/twin/specimen.h"
+#include "devices/twin/twin.h"
 
 namespace patina::testing {
 namespace {
@@ -12,7 +13,23 @@ namespace {
 namespace twin = devices::twin;
 
 constexpr double kReachDeg = 72, kGolden = 2.399963229728653;
+constexpr int kCardBelowPx = 3;  // within the patch's border
 constexpr int kRun = 18000;  // s, whatever the steps: a sweep takes the same part of it
+
+std::string cardText(const Loop& loop, Card card) {
+  const double width_mm = 1.5 * viewMm(loop);
+  double bottom_mm = -width_mm / 2;
+  if (card == Card::kBesideThePatch) {
+    const devices::RigSpec rig = wholeRig(loop, false);
+    const twin::PictureLayout layout = twin::pictureLayout(rig, rig.cameras.front());
+    const RectPx& specimen = layout.specimen_px;
+    bottom_mm = viewMm(loop) / layout.size.width *
+                (layout.size.height / 2.0 - specimen.y - specimen.height - kCardBelowPx);
+  }
+  return "[[twin.target]]\nkind = \"grey_card\"\nreflectance = " +
+         std::to_string(kCardReflectance) + "\nwidth_mm = " + std::to_string(width_mm) +
+         "\nposition_mm = [0.0, " + std::to_string(bottom_mm + width_mm / 2) + ", 0.0]\n";
+}
 
 }  // namespace
 
@@ -32,7 +49,7 @@ double viewMm(const Loop& loop) {
   return twin::makeSpecimen(loop.specimen, 1)->info().width_mm / loop.closer;
 }
 
-std::string rigText(const Loop& loop, bool card, bool all) {
+std::string rigText(const Loop& loop, Card card, bool all) {
   const std::string side = std::to_string(loop.side_px);
   std::string text =
       "name = \"dome\"\n[[camera]]\nid = \"cam0\"\nbackend = \"twin\"\n"
@@ -49,11 +66,7 @@ std::string rigText(const Loop& loop, bool card, bool all) {
   }
   text += "[twin]\nspecimen = \"" + loop.specimen + "\"\nsize = \"" + side + "x" + side +
           "\"\nshadows = " + (loop.shadows && !all ? "true" : "false") + "\n";
-  if (card)
-    text +=
-        "[[twin.target]]\nkind = \"grey_card\"\nreflectance = " + std::to_string(kCardReflectance) +
-        "\nwidth_mm = " + std::to_string(1.5 * viewMm(loop)) + "\nposition_mm = [0.0, 0.0, 0.0]\n";
-  return text;
+  return card == Card::kNone ? text : text + cardText(loop, card);
 }
 
 std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
@@ -85,7 +98,7 @@ std::string plainName(std::string name) {
 }
 
 devices::RigSpec wholeRig(const Loop& loop, bool shadows) {
-  devices::RigSpec rig = devices::parseRig(rigText(loop, false, true), "rig.toml");
+  devices::RigSpec rig = devices::parseRig(rigText(loop, Card::kNone, true), "rig.toml");
   rig.twin->shadows = shadows;
   return rig;
 }

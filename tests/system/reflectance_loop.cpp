@@ -292,8 +292,9 @@ std::string archiveOf(const TempFolder& folder) { return folder / "archive"; }
 void prepareLoop(const Loop& loop, const TempFolder& folder) {
   Loop card = loop;
   card.frames = 1;
-  writeFile(folder / "rig.toml", rigText(loop, false, false));
-  writeFile(folder / "card_rig.toml", rigText(loop, true, false));
+  writeFile(folder / "rig.toml", rigText(loop, Card::kNone, false));
+  writeFile(folder / "noise_rig.toml", rigText(loop, Card::kAllOver, false));
+  writeFile(folder / "card_rig.toml", rigText(loop, Card::kBesideThePatch, false));
   writeFile(
       folder / "plan.toml",
       planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
@@ -301,7 +302,7 @@ void prepareLoop(const Loop& loop, const TempFolder& folder) {
                    "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
   writeFile(folder / "card.toml", planText(card, "card_rig.toml", "card", 4 * loop.frames,
                                            "[light_check]\nmode = \"uncontrolled\"\n"));
-  writeFile(folder / "noise.toml", noisePlanText("card_rig.toml"));
+  writeFile(folder / "noise.toml", noisePlanText("noise_rig.toml"));
   for (const std::vector<std::string>& args :
        {std::vector<std::string>{"rehearse", folder / "noise.toml"},
         {"calibrate", "noise", "latest", "--light", idOf(0)},

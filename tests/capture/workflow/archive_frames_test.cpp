@@ -166,6 +166,72 @@ TEST_F(ArchiveFramesOf, AHeldVerdictGivesNoGain) {
   EXPECT_NEAR(all()[0].linear.at(0, 0, 0), linearFromSrgb(100.0f / 255), 1e-6);
 }
 
+class HeldToAPatch : public ArchiveFramesOf {
+ protected:
+  // Levels of green in the middle of frames whose light was calibrated with this level of green.
+  std::vector<float> greens(double calibrated, const FrameSelection& selection = {}) {
+    const db::ArchiveReader reader(folder_.path());
+    ArchiveFrames frames(reader, reader.runs().back().id, selection, {});
+    why_not_ = frames.holdToPatch({0.5, calibrated, 0.5});
+    std::vector<float> found;
+    while (const auto frame = frames.next()) found.push_back(frame->linear.at(3, 3, 1) / kOne);
+    report_ = frames.report();
+    return found;
+  }
+  static std::vector<db::LightCheckRow> patch(double green, const char* verdict = "learn") {
+    std::vector<db::LightCheckRow> rows{check("r", 1, verdict), check("g", green, verdict),
+                                        check("b", 1, verdict)};
+    for (db::LightCheckRow& row : rows) row.baseline = 0;
+    return rows;
+  }
+  const float kOne = linearFromSrgb(100.0f / 255);
+  std::string why_not_;
+};
+
+TEST_F(HeldToAPatch, AreAsBrightAsWhenTheirLightWasCalibrated) {
+  MadeShot first, second;
+  first.checks = patch(1.002), second.checks = patch(0.98);
+  makeRun(folder_.path(), {{{first}}, {{second}}});
+  const auto found = greens(0.49);
+  EXPECT_NEAR(found[0], 0.98 / 1.002, 1e-5);
+  EXPECT_NEAR(found[1], 1, 1e-5);
+  EXPECT_TRUE(report_.held_to_patch);
+}
+
+TEST_F(HeldToAPatch, LongerExposuresByTheirShareAndByTheShortestWhereTheyClipIt) {
+  for (const char* verdict : {"learn", "saturated"}) {
+    MadeStep step = swept(100, 190);
+    step.shots[0].checks = {check("y", verdict[0] == 's' ? 2 : 4 * 0.98, verdict)};
+    step.shots[1].checks = {check("y", 0.98, "learn")};
+    for (MadeShot& shot : step.shots) shot.checks[0].baseline = 0;
+    const TempFolder folder = TempFolder::inMemory();
+    makeRun(folder.path(), {step});
+    const db::ArchiveReader reader(folder.path());
+    ArchiveFrames frames(reader, reader.runs().back().id, {.merged = true}, {});
+    EXPECT_EQ(frames.holdToPatch({0.5, 0.5, 0.5}), "");
+    frames.next();
+    EXPECT_NEAR(frames.report().gain_max, 1 / 0.98, 1e-5) << verdict;
+    EXPECT_NEAR(frames.report().gain_min, 1, 1e-5) << verdict << ": of none";
+    EXPECT_TRUE(frames.report().held_to_patch);
+  }
+}
+
+TEST_F(HeldToAPatch, AnotherPatchIsNotHeldToAndThatIsSaid) {
+  MadeShot shot;
+  shot.checks = patch(1);
+  makeRun(folder_.path(), {{{shot}}});
+  EXPECT_NEAR(greens(0.4)[0], 1, 1e-6);
+  EXPECT_THAT(why_not_, ::testing::HasSubstr("under key the patch is +25 % off"));
+  EXPECT_FALSE(report_.held_to_patch);
+}
+
+TEST_F(HeldToAPatch, ThatNobodyWatchedStayAsTheyAre) {
+  makeRun(folder_.path(), {{{MadeShot{}}}});
+  EXPECT_NEAR(greens(0.49)[0], 1, 1e-6);
+  EXPECT_EQ(why_not_, "");
+  EXPECT_FALSE(report_.held_to_patch);
+}
+
 TEST_F(ArchiveFramesOf, UnequalSizesAreCutAboutTheCentre) {
   MadeShot large;
   large.size = {26, 19};

@@ -5,6 +5,7 @@
 
 #include "capture/workflow/albedo_calibration.h"
 #include "capture/workflow/failure.h"
+#include "capture/workflow/frame_chain.h"
 #include "capture/workflow/gain_field_calibration.h"
 #include "capture/workflow/ttf_product.h"
 #include "processing/image/encoding.h"
@@ -145,6 +146,27 @@ TEST_F(FieldFramesOf, AnAlbedoScaleAreReflectanceWhateverTheirExposure) {
   EXPECT_THAT(absolute.calibrations,
               ElementsAre("albedo 2: 0.0 days away", "gain_field 1: 0.0 days away"));
   EXPECT_THAT(absolute.product.options_json, HasSubstr("\"albedo\":true"));
+}
+
+// Between the field's pictures and the run, and from shot to shot.
+TEST_F(FieldFramesOf, WhatALampLostSinceItsFieldIsUndoneByThePatch) {
+  MadeShot shot;
+  shot.checks = {testing::check("y", 0.9, "learn")};
+  shot.checks[0].baseline = 0;
+  testing::makeRun(archive_, {{{shot}}});
+  GainFieldOutcome made;
+  made.painted = ramp(0.4f, 0.4f);
+  made.from.row = rowOf("key", std::chrono::milliseconds(40), {});
+  made.from.patch = ChannelLevels{1.0, 1.0, 1.0};  // of half the exposure: 0.5
+  keepGainField(archive_, {}, made, testing::now());
+  const db::ArchiveReader reader(archive_);
+  Progress progress;
+  FrameRequest white;
+  white.white = true;
+  FrameChain chain(reader, reader.runs().back(), white, progress);
+  EXPECT_NEAR(chain.source().next()->linear.at(5, 5), kLevel / 0.9 * 2 / 0.4, 1e-4);
+  EXPECT_TRUE(chain.frames().held_to_patch);
+  EXPECT_NEAR(at(build(), 5), kLevel, 1e-4) << "what is only made even is not absolute";
 }
 
 TEST_F(FieldFramesOf, AnAlbedoScaleWhoseFieldIsGoneIsRefused) {

@@ -10,6 +10,8 @@
 namespace patina::workflow {
 namespace {
 
+using testing::MadeShot;
+using testing::MadeStep;
 using testing::TempFolder;
 
 class MeanPictures : public ::testing::Test {
@@ -46,6 +48,20 @@ TEST_F(MeanPictures, OfARunIsWithoutItsLightGains) {
   EXPECT_EQ(found.row.device_id, "cam0");
   EXPECT_EQ(found.row.light_state, "key");
   EXPECT_NEAR(found.linear.at(2, 2, 1), linearFromSrgb(100.0f / 255), 1e-5);
+}
+
+TEST_F(MeanPictures, TellThePatchsMeanLevelWhereEachOfThemDoes) {
+  MadeStep one{{MadeShot{}}}, other = one, silent = one;
+  one.shots[0].checks = {testing::check("y", 1.02, "measure")};
+  other.shots[0].checks = {testing::check("y", 0.98, "measure")};
+  for (MadeStep* step : {&one, &other}) step->shots[0].checks[0].baseline = 0;
+  testing::makeRun(folder_ / "archive", {one, other, silent});
+  MeanPictureRequest request;
+  request.run = "latest";
+  request.frames_most = 2;
+  EXPECT_NEAR((*mean(request).patch)[1], 0.5, 1e-9);
+  request.frames_most = 3;
+  EXPECT_FALSE(mean(request).patch);
 }
 
 TEST_F(MeanPictures, NeedPicturesOfOneSize) {
