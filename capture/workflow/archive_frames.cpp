@@ -17,7 +17,7 @@ namespace patina::workflow {
 namespace {
 
 constexpr std::int64_t kBatchBytes =
-    200'000'000;  // of decoded frames; decoding needs as much again
+    200'000'000;                     // of decoded frames; decoding needs as much again
 constexpr double kSamePatch = 0.15;  // the light of a lamp does not change by more, relative
 
 template <class Range>
@@ -228,16 +228,14 @@ void ArchiveFrames::decode(const Chosen& chosen, Decoding& decoding) const {
 
 std::string ArchiveFrames::holdToPatch(const ChannelLevels& level) {
   if (!correction_.light_gain || !measured_gains_.empty()) return {};
-  patch_ = level;
-  const auto gains = gainByPatch(first_shot_);
-  patch_.reset();
+  const auto gains = gainByPatch(level, first_shot_);
   if (!gains) return {};
   for (const float gain : *gains)
     if (std::abs(1 / gain - 1) > kSamePatch) {
       char text[240];
       std::snprintf(text, sizeof text,
                     "light_gain: under %s the patch is %+.0f %% off what it was when the light was "
-                    "calibrated: another patch, or another lamp? It is not held to; calibrate anew",
+                    "calibrated: another patch, another lamp, or under the card? It is not held to",
                     report_.light.c_str(), 100 * (1 / gain - 1));
       return text;
     }
@@ -246,14 +244,14 @@ std::string ArchiveFrames::holdToPatch(const ChannelLevels& level) {
   return {};
 }
 
-std::optional<std::array<float, 3>> ArchiveFrames::gainByPatch(const db::ShotRow& shot) const {
-  if (!patch_) return std::nullopt;
+std::optional<std::array<float, 3>> ArchiveFrames::gainByPatch(const ChannelLevels& level,
+                                                               const db::ShotRow& shot) const {
   const auto seen = patchLevelOf(reader_.lightChecksOfShot(shot.id), report_.camera);
   if (!seen) return std::nullopt;
   const double exposed = exposureOver(shot, chosen_.front().shot);
   std::array<float, 3> gains{};
   for (std::size_t c = 0; c < 3; ++c)
-    gains[c] = static_cast<float>((*patch_)[c] * exposed / (*seen)[c]);
+    gains[c] = static_cast<float>(level[c] * exposed / (*seen)[c]);
   return gains;
 }
 
@@ -264,9 +262,9 @@ std::array<float, 3> ArchiveFrames::gainOf(const Chosen& chosen, const Chosen& s
   if (const auto measured = measured_gains_.find(chosen.frame.sha256.hex());
       measured != measured_gains_.end())
     gains = measured->second;
-  else if (const auto own = gainByPatch(chosen.shot))
+  else if (const auto own = patch_ ? gainByPatch(*patch_, chosen.shot) : std::nullopt)
     gains = *own;
-  else if (const auto beside = gainByPatch(shortest.shot))
+  else if (const auto beside = patch_ ? gainByPatch(*patch_, shortest.shot) : std::nullopt)
     gains = *beside;
   else
     gains = lightGainOf(reader_.lightChecksOfShot(chosen.shot.id), report_.camera);

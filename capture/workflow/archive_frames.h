@@ -101,7 +101,8 @@ class ArchiveFrames final : public ttf::FrameSource {
   std::vector<std::vector<Chosen>> byStep(std::vector<Chosen> all, bool merged);
   void note(const Chosen& chosen);
   std::array<float, 3> gainOf(const Chosen& chosen, const Chosen& shortest);
-  std::optional<std::array<float, 3>> gainByPatch(const db::ShotRow& shot) const;
+  std::optional<std::array<float, 3>> gainByPatch(const ChannelLevels& level,
+                                                  const db::ShotRow& shot) const;
   void bindMasters();
   struct Decoding;
   void decode(const Chosen& chosen, Decoding& decoding) const;
@@ -113,8 +114,8 @@ class ArchiveFrames final : public ttf::FrameSource {
   UtcTime t0_;
   FramesReport report_;
   std::vector<Chosen> chosen_;
-  db::ShotRow first_shot_;              // of the run under this light
-  std::optional<ChannelLevels> patch_;  // that gains bring it to
+  db::ShotRow first_shot_;                                      // of the run under this light
+  std::optional<ChannelLevels> patch_;                          // that gains bring theirs to
   std::unique_ptr<SensorChain> chain_;                          // absent: no masters wanted
   std::map<std::string, std::array<float, 3>> measured_gains_;  // by frame, light_gain.h
   std::set<std::pair<int, int>> sizes_;

@@ -171,8 +171,8 @@ EvenLight albedoFor(const db::ArchiveReader& reader, const CalibrationKey& frame
   }
   light.used.insert(light.used.begin(), choice.used);
   for (double& scale : light.scale.scale) scale *= exposureOver(*choice.row, frames);
-  light.patch = atExposure(patchIn(Facts::parse(choice.row->value_json)),
-                           exposureOver(frames, *choice.row));
+  light.patch =
+      atExposure(patchIn(Facts::parse(choice.row->value_json)), exposureOver(frames, *choice.row));
   return light;
 }
 

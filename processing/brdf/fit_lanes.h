@@ -102,7 +102,7 @@ void scanRoughness(Model model, Samples& samples, Estimate& at, const Prior& pri
 // slopes by ln r; and ks of either sign with 1 / its variance, in units of the noise.
 constexpr int kCurve = 41;
 constexpr float kSmallestR = 0.02f, kLargestR = 1.0f;
-// ln r of entry j, rising between those. Wide lobes change sooner: entries are even in ln r + 6 r.
+// ln r of entry j, rising between those. Wide lobes change sooner: entries are even in ln r + 3 r.
 float curveLogR(int j);
 struct CostCurve {
   Lane cost[kCurve], slope[kCurve], ks[kCurve], information[kCurve];

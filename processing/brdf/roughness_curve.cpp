@@ -62,8 +62,7 @@ Curve slopesOf(const Curve& cost) {
   for (std::size_t j = 1; j + 1 < kCurve; ++j) {
     const float before = grid[j] - grid[j - 1], after = grid[j + 1] - grid[j];
     const float most = 3 * std::min(std::abs(rise(j - 1)), std::abs(rise(j)));
-    slope[j] =
-        std::clamp((rise(j) * before + rise(j - 1) * after) / (before + after), -most, most);
+    slope[j] = std::clamp((rise(j) * before + rise(j - 1) * after) / (before + after), -most, most);
   }
   return slope;
 }

@@ -14,7 +14,8 @@ using Curve = std::array<float, lanes::kCurve>;
 const Curve& logRs();
 inline float logR(std::size_t j) { return logRs()[j]; }
 // By ln r, through each entry and its neighbours; so flat that the cubics rise and fall where the
-// entries do: the wall of costs beside a wide lobe's valley is no reason for a deeper one before it.
+// entries do: the wall of costs beside a wide lobe's valley is no reason for a deeper one before
+// it.
 Curve slopesOf(const Curve& cost);
 
 // Between entries j and j + 1, `h` of ln r apart: the cubic of their costs and slopes. t: [0,1].

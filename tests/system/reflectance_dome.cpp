@@ -14,7 +14,7 @@ namespace twin = devices::twin;
 
 constexpr double kReachDeg = 72, kGolden = 2.399963229728653;
 constexpr int kCardBelowPx = 3;  // within the patch's border
-constexpr int kRun = 18000;  // s, whatever the steps: a sweep takes the same part of it
+constexpr int kRun = 18000;      // s, whatever the steps: a sweep takes the same part of it
 
 std::string cardText(const Loop& loop, Card card) {
   const double width_mm = 1.5 * viewMm(loop);

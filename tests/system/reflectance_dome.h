@@ -21,7 +21,8 @@ int intervalOf(const Loop& loop);  // of steps, s
 double viewMm(const Loop& loop);   // the width that the camera sees
 
 enum class Card { kNone, kAllOver, kBesideThePatch };
-// A grey card over all that is seen, or all of the specimen. `all`: the lamps that are left out too.
+// A grey card over all that is seen, or all of the specimen. `all`: the lamps that are left out
+// too.
 std::string rigText(const Loop& loop, Card card, bool all);
 std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
                      int steps, const std::string& rest);

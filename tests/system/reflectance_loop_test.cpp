@@ -49,16 +49,17 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   std::fflush(stdout);
   Progress progress;
   const stbrdf::StbrdfSet ageing = stbrdf::readStbrdfSet(setOf(folder, "stbrdf"), progress);
-  // docs/reflectance.md tells what misses and why: of the whole width, of snow and of few texels.
+  // docs/reflectance.md tells what misses and why: of the whole width, of snow unless it is very
+  // near, and of few texels.
   const auto is = [&](const char* name) { return loop.specimen == name; };
-  const bool snow = is("snow_accumulation"), grass = is("grass_growth"),
-             faint = snow || grass || is("paint_cracking"),
+  const bool any_snow = is("snow_accumulation"), snow = any_snow && loop.closer < 32,
+             grass = is("grass_growth"), faint = any_snow || grass || is("paint_cracking"),
              small = loop.bin < 6;  // texels: the mosaic's
   if (is("banana_ripening") || is("wood_drying") ||
       (loop.closer >= 8 && (!faint || loop.steps == 3))) {
     EXPECT_LE(s.diffuse_rms, snow ? 0.0115 : small ? 0.015 : 0.01);
     EXPECT_LE(s.told_specular_rms, 0.02);
-    EXPECT_LE(s.told_alpha_rms, snow ? 0.035 : small ? 0.04 : 0.03);
+    EXPECT_LE(s.told_alpha_rms, small ? 0.04 : 0.03);
     EXPECT_LE(s.normal_median_deg, grass ? 1 : 0.2);
     EXPECT_LE(s.sure_specular_rms, 0.02);
     EXPECT_LE(s.sure_alpha_rms, 0.03);

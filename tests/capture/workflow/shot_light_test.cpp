@@ -8,8 +8,8 @@
 namespace patina::workflow {
 namespace {
 
-using ::testing::ElementsAre;
 using testing::check;
+using ::testing::ElementsAre;
 
 using Checks = std::vector<db::LightCheckRow>;
 
