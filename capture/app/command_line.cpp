@@ -229,4 +229,15 @@ RectPx parseRect(const std::string& text) {
   return rect;
 }
 
+std::vector<RectPx> parseRects(const std::string& option, const std::vector<std::string>& numbers) {
+  if (numbers.size() % 4 != 0) throw UsageError("a " + option + " is X,Y,W,H in pixels");
+  std::vector<RectPx> rects;
+  for (std::size_t i = 0; i < numbers.size(); i += 4) {
+    std::string text = numbers[i];
+    for (std::size_t k = 1; k < 4; ++k) text.append(",").append(numbers[i + k]);
+    rects.push_back(parseRect(text));
+  }
+  return rects;
+}
+
 }  // namespace patina::app

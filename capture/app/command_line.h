@@ -87,5 +87,7 @@ class CommandLine {
 };
 
 RectPx parseRect(const std::string& text);  // "X,Y,WIDTH,HEIGHT"; Failure(kUsage)
+// Of an option that may be given again: such lists arrive without their commas.
+std::vector<RectPx> parseRects(const std::string& option, const std::vector<std::string>& numbers);
 
 }  // namespace patina::app

@@ -284,6 +284,11 @@ class Judge {
   double psnr_worst_ = HUGE_VAL;
 };
 
+std::string afterText(const Loop& loop) {
+  return "[after]\nsteps = [\"brdf\", \"stbrdf\"]\nbin = " + std::to_string(loop.bin) +
+         "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n";
+}
+
 }  // namespace
 
 std::string planOf(const TempFolder& folder) { return folder / "plan.toml"; }
@@ -295,11 +300,8 @@ void prepareLoop(const Loop& loop, const TempFolder& folder) {
   writeFile(folder / "rig.toml", rigText(loop, Card::kNone, false));
   writeFile(folder / "noise_rig.toml", rigText(loop, Card::kAllOver, false));
   writeFile(folder / "card_rig.toml", rigText(loop, Card::kBesideThePatch, false));
-  writeFile(
-      folder / "plan.toml",
-      planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
-               "[after]\nsteps = [\"brdf\", \"stbrdf\"]\nbin = " + std::to_string(loop.bin) +
-                   "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n"));
+  writeFile(folder / "plan.toml", planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
+                                           loop.registered ? "" : afterText(loop)));
   writeFile(folder / "card.toml", planText(card, "card_rig.toml", "card", 4 * loop.frames,
                                            "[light_check]\nmode = \"uncontrolled\"\n"));
   writeFile(folder / "noise.toml", noisePlanText("noise_rig.toml"));

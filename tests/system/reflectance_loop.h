@@ -16,7 +16,8 @@ struct Loop {
   int degree = 3;
   int closer = 1;  // the camera sees this part of the specimen's width
   bool shadows = true;
-  int frames = 1;  // of every lamp a step, averaged
+  int frames = 1;           // of every lamp a step, averaged
+  bool registered = false;  // fitted after the run, each lamp's frames laid over its first
 };
 
 // Plan, rigs and card's plans in `folder`; the camera's noise and fields of every lamp in

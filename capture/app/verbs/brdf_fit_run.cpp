@@ -36,6 +36,9 @@ void takeChoices(RunFitOptions& options) {
   if (!options.register_by.empty()) {
     request.frames.registration.emplace();
     request.frames.registration->model = calibration::parseMotionModel(options.register_by);
+    request.frames.registration->fiducials = parseRects("--fiducial", options.fiducials);
+  } else if (!options.fiducials.empty()) {
+    throw AppError(Exit::kUsage, "--fiducial goes with --register MODEL");
   }
   if (request.frames.selection.merged && request.frames.selection.exposure)
     throw AppError(Exit::kUsage, "--hdr takes all exposures of a step: leave out --exposure");
@@ -76,6 +79,8 @@ void addRunFitOptions(Verb& verb, RunFitOptions& options) {
               "Of a run that is not rectified, where the rig does not tell: near lamps need it")
       .option("--register", options.register_by, "MODEL",
               "Of a run: lay frames over the first: translation, euclidean, affine, homography")
+      .option("--fiducial", options.fiducials, "X,Y,W,H",
+              "With --register: hold on to this place alone, the patch, say. May be given again")
       .flag("--ambient", request.frames.lamps.ambient,
             "Of a run: subtract the lights-off frame of every step")
       .option("--white", request.white_level, 1e-6, 1e6,

@@ -15,6 +15,7 @@ struct RunFitOptions {
   workflow::RectifyRequest rectification;
   bool whole = false, rectify = false;
   std::string register_by;
+  std::vector<std::string> fiducials;
 };
 // `options` lives until the verb has run.
 void addRunFitOptions(Verb& verb, RunFitOptions& options);

@@ -25,7 +25,7 @@ double parseShare(const std::string& text) {
 
 // One number a target, or three.
 std::vector<calibration::AlbedoTarget> targetsOf(const Options& options) {
-  const std::vector<RectPx> rects = parseTargets(options.targets);
+  const std::vector<RectPx> rects = parseRects("--target", options.targets);
   const std::vector<std::string>& numbers = options.reflectances;
   const bool grey = numbers.size() == rects.size();
   if (rects.empty() || (!grey && numbers.size() != 3 * rects.size()))

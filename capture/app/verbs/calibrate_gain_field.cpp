@@ -26,7 +26,7 @@ void calibrate(Context& context, Options& options) {
   pictures.selection.camera = pictures.camera;
   pictures.selection.light = pictures.light;
   if (options.exposure >= 0) pictures.selection.exposure = options.exposure;
-  request.target = parseTargets(options.targets);
+  request.target = parseRects("--target", options.targets);
   request.command = "patina calibrate field";
   request.version = PATINA_VERSION;
   const workflow::GainFieldOutcome outcome = workflow::makeGainField(
@@ -58,17 +58,6 @@ void calibrate(Context& context, Options& options) {
 }
 
 }  // namespace
-
-std::vector<RectPx> parseTargets(const std::vector<std::string>& numbers) {
-  if (numbers.size() % 4 != 0) throw AppError(Exit::kUsage, "a --target is X,Y,W,H in pixels");
-  std::vector<RectPx> rects;
-  for (std::size_t i = 0; i < numbers.size(); i += 4) {
-    std::string text = numbers[i];
-    for (std::size_t k = 1; k < 4; ++k) text.append(",").append(numbers[i + k]);
-    rects.push_back(parseRect(text));
-  }
-  return rects;
-}
 
 void addCalibrateGainField(Verb& group) {
   auto o = std::make_shared<Options>();

@@ -39,7 +39,7 @@ void calibrate(Context& context, Options& options) {
     if (options.exposure >= 0) place.selection.exposure = options.exposure;
     request.places.push_back(place);
   }
-  request.card = parseTargets(options.targets);
+  request.card = parseRects("--target", options.targets);
   if (!options.aim.empty()) request.shading.aim_mm = parsePlaceMm(options.aim);
   request.command = "patina calibrate near-lights";
   request.version = PATINA_VERSION;

@@ -21,7 +21,4 @@ void addCalibrateDefects(Verb& group);
 void addCalibrateNoise(Verb& group);
 void addCalibrateResponse(Verb& group);
 
-// --target X,Y,W,H, given any number of times: such lists arrive without their commas.
-std::vector<RectPx> parseTargets(const std::vector<std::string>& numbers);
-
 }  // namespace patina::app

@@ -55,7 +55,7 @@ void askForRegistration(const Options& options, workflow::TtfRequest& request) {
   }
   workflow::RegistrationRequest wanted;
   wanted.model = calibration::parseMotionModel(options.register_by);
-  for (const std::string& rect : options.fiducials) wanted.fiducials.push_back(parseRect(rect));
+  wanted.fiducials = parseRects("--fiducial", options.fiducials);
   wanted.markers = options.markers;
   wanted.deform = options.deform;
   request.registration = wanted;

@@ -18,6 +18,17 @@ TEST_F(TtfVerbs, BuildRefusesARegionThatIsNone) {
   EXPECT_FALSE(std::filesystem::exists(place("no.h5")));
 }
 
+// Copper ages so fast there that no place holds: the places are what is read.
+TEST_F(TtfVerbs, BuildReadsPlacesToHoldOnTo) {
+  const auto exitOf = [&](const std::string& place_px) {
+    return patina({"ttf", "build", "--register", "translation", "--fiducial", place_px,
+                   "--fiducial=60,8,40,40", "--out", place("held.h5")})
+        .exit;
+  };
+  EXPECT_NE(exitOf("8,8,40,40"), 64);
+  for (const char* wrong : {"8,8,40", "8,8,40,40,9", "8,8,0,40"}) EXPECT_EQ(exitOf(wrong), 64);
+}
+
 TEST_F(TtfVerbs, TheDatabaseListsSearchesAndShows) {
   const JsonAnswer list = answer({"ttf", "list"});
   ASSERT_GE(list.size("/items"), 1u);
