@@ -6,6 +6,7 @@
 namespace patina::workflow {
 namespace {
 
+constexpr double kClipped = 0.97;  // of full scale: above it some of the patch may be
 constexpr const char* kChannels[3] = {"patch_r", "patch_g", "patch_b"};
 
 }  // namespace
@@ -39,7 +40,7 @@ std::optional<ChannelLevels> patchLevelOf(const std::vector<db::LightCheckRow>& 
   for (const db::LightCheckRow& check : checks) {
     const std::string& verdict = check.verdict;
     if (check.source != "patch:" + camera || verdict == "saturated" || verdict == "hold" ||
-        verdict == "fail")
+        verdict == "fail" || check.level > kClipped)
       continue;
     const bool judged = check.baseline > 0 && check.gain > 0;
     if (verdict == "covered" && !judged) continue;

@@ -20,8 +20,8 @@ namespace patina::workflow {
 struct StateLight {
   brdf::SurfaceLight light;  // over the map
   double white_level = 1;    // of a frame, before
-  bool by_patch = false;     // its shots are as bright as the patch has it
-  bool even = false;  // frames are over what a flat white diffuser shows: its light is put back
+  bool even = false;      // frames are over what a flat white diffuser shows: its light is put back
+  bool by_patch = false;  // shots are held to the patch, ArchiveFrames::holdToPatch
 };
 
 // What of `region` goes into texels of bin x bin pixels. Throws WorkflowError(kUsage) where none

@@ -201,14 +201,14 @@ TEST_F(HeldToAPatch, AreAsBrightAsWhenTheirLightWasCalibrated) {
 TEST_F(HeldToAPatch, LongerExposuresByTheirShareAndByTheShortestWhereTheyClipIt) {
   for (const char* verdict : {"learn", "saturated"}) {
     MadeStep step = swept(100, 190);
-    step.shots[0].checks = {check("y", verdict[0] == 's' ? 2 : 4 * 0.98, verdict)};
-    step.shots[1].checks = {check("y", 0.98, "learn")};
+    step.shots[0].checks = {check("y", verdict[0] == 's' ? 2 : 0.8 * 0.98, verdict)};
+    step.shots[1].checks = {check("y", 0.2 * 0.98, "learn")};
     for (MadeShot& shot : step.shots) shot.checks[0].baseline = 0;
     const TempFolder folder = TempFolder::inMemory();
     makeRun(folder.path(), {step});
     const db::ArchiveReader reader(folder.path());
     ArchiveFrames frames(reader, reader.runs().back().id, {.merged = true}, {});
-    EXPECT_EQ(frames.holdToPatch({0.5, 0.5, 0.5}), "");
+    EXPECT_EQ(frames.holdToPatch({0.1, 0.1, 0.1}), "");
     frames.next();
     EXPECT_NEAR(frames.report().gain_max, 1 / 0.98, 1e-5) << verdict;
     EXPECT_NEAR(frames.report().gain_min, 1, 1e-5) << verdict << ": of none";

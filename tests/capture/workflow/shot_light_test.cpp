@@ -46,6 +46,9 @@ TEST(PatchLevelOf, IsNothingWhereAChannelIsNotTold) {
     checks[1].verdict = verdict;
     EXPECT_FALSE(patchLevelOf(checks, "cam0")) << verdict;
   }
+  Checks measured = learning(0.4, 1.96, 0.2);  // where nobody judges, nobody says that it clips
+  for (db::LightCheckRow& row : measured) row.verdict = "measure";
+  EXPECT_FALSE(patchLevelOf(measured, "cam0"));
 }
 
 TEST(Patch, IsKeptWithACalibrationAndReadAgain) {

@@ -75,6 +75,15 @@ TEST(NoiseOfPixels, OfAveragedShotsFallsByTheirRootButForWhatCalibrationsAreOffB
   EXPECT_GT(sixteen.gain, one.gain / 4);
 }
 
+TEST(NoiseOfPixels, IsLessWhereAllLampsAreHeldByThePatch) {
+  std::vector<StateLight> states(2);
+  const float flickering = noiseOfPixels({}, states).gain;
+  states[0].by_patch = true;
+  EXPECT_EQ(noiseOfPixels({}, states).gain, flickering) << "one of two";
+  states[1].by_patch = true;
+  EXPECT_LT(noiseOfPixels({}, states).gain, 0.6f * flickering);
+}
+
 TEST(FiltersAt, AreThoseThatARegionBeginsWith) {
   constexpr brdf::Filters kRggb{0, 1, 1, 2};
   EXPECT_EQ(filtersAt(kRggb, 4, 2), kRggb);
