@@ -91,6 +91,8 @@ TEST(BrdfFitRun, NamesPartialStepsAndRefusesWhatDoesNotGoTogether) {
   EXPECT_THAT(fit.err, HasSubstr("not whole were left out: 1"));
   EXPECT_EQ(with({"--texels-per-mm", "4"}).exit, 64);
   EXPECT_EQ(with({"--leave-out", "3"}).exit, 64);
+  EXPECT_EQ(with({"--fiducial", "0,0,4,4"}).exit, 64) << "without --register";
+  EXPECT_EQ(with({"--register", "translation", "--fiducial", "0,0,4"}).exit, 64);
   EXPECT_EQ(runPatina({"brdf", "fit", run, "--archive", archive}).exit, 65);  // no lamp is known
   EXPECT_EQ(runPatina({"brdf", "fit", run}).exit, 64);
 }
