@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "capture/windows.h"
+#include "devices/config_rect.h"
 #include "processing/image/sha256.h"
 
 namespace patina::capture {
@@ -147,6 +148,25 @@ std::optional<Nanoseconds> takeSensors(ConfigTable& root) {
   return every;
 }
 
+void takeAfter(ConfigTable& after, Plan& plan) {
+  plan.after = after.takeStrings("steps", std::vector<std::string>{});
+  for (const std::string& step : plan.after)
+    if (step != "ttf" && step != "film" && step != "brdf" && step != "stbrdf")
+      after.reject("steps", "\"" + step + "\" is not one of ttf, film, brdf, stbrdf");
+  plan.after_degree = static_cast<int>(after.takeInteger("degree", 0, kDegreeMost, 3));
+  plan.after_bin = static_cast<int>(after.takeInteger("bin", 1, 64, 1));
+  const std::string& model = plan.after_register = after.takeString("register", "");
+  if (!model.empty() && model != "translation" && model != "euclidean" && model != "affine" &&
+      model != "homography")
+    after.reject("register",
+                 "\"" + model + "\" is not one of translation, euclidean, affine, homography");
+  if (after.has("fiducial")) {
+    if (model.empty()) after.reject("fiducial", "goes with register = \"translation\"");
+    plan.after_fiducial = devices::takeRect(after, "fiducial");
+  }
+  after.finish();
+}
+
 void takeDiskAfterAlerts(ConfigTable& root, Plan& plan) {
   plan.disk_reserve_bytes = kDiskReserveDefault;
   if (auto disk = root.takeTable("disk")) {
@@ -158,15 +178,7 @@ void takeDiskAfterAlerts(ConfigTable& root, Plan& plan) {
     }
     disk->finish();
   }
-  if (auto after = root.takeTable("after")) {
-    plan.after = after->takeStrings("steps", std::vector<std::string>{});
-    for (const std::string& step : plan.after)
-      if (step != "ttf" && step != "film" && step != "brdf" && step != "stbrdf")
-        after->reject("steps", "\"" + step + "\" is not one of ttf, film, brdf, stbrdf");
-    plan.after_degree = static_cast<int>(after->takeInteger("degree", 0, kDegreeMost, 3));
-    plan.after_bin = static_cast<int>(after->takeInteger("bin", 1, 64, 1));
-    after->finish();
-  }
+  if (auto after = root.takeTable("after")) takeAfter(*after, plan);
   plan.alerts = takeAlerts(root, plan.interval);
 }
 
@@ -300,6 +312,7 @@ int shotsAStep(const Plan& plan) {
 }
 
 bool isFedBySteps(const Plan& plan) {
+  if (!plan.after_register.empty()) return false;  // poses hang together from the first frame on
   return std::ranges::any_of(
       plan.after, [](const std::string& step) { return step == "brdf" || step == "stbrdf"; });
 }

@@ -45,6 +45,9 @@ struct Plan {
   std::vector<std::string> after;  // "ttf" "film" "brdf" "stbrdf"
   int after_degree = 3;            // of "stbrdf": polynomials in time
   int after_bin = 1;               // of "brdf": pixels a side of a texel
+  // Frames are laid over the first: a motion model's name, or nothing; and what they hold on to.
+  std::string after_register;
+  std::optional<RectPx> after_fiducial;
   // Besides at every step; nothing: at steps alone.
   std::optional<Nanoseconds> read_sensors_every;
   AlertSettings alerts;
@@ -55,7 +58,7 @@ struct Plan {
 // Throw devices::ConfigError: file, line, key, allowed range.
 Plan readPlan(const std::filesystem::path& file);
 Plan parsePlan(const std::string& toml, const std::filesystem::path& source);
-// Something after the run can be made while it goes on: "brdf", "stbrdf".
+// Something after the run can be made while it goes on: "brdf", "stbrdf", of frames as they lie.
 bool isFedBySteps(const Plan& plan);
 // Names in the plan that the rig does not have: a ConfigError on the plan's line.
 void checkAgainst(const Plan& plan, const devices::RigSpec& rig);

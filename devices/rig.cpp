@@ -5,13 +5,12 @@
 #include <cmath>
 #include <set>
 
-#include "devices/config_file.h"
+#include "devices/config_rect.h"
 #include "devices/fault_plan.h"
 
 namespace patina::devices {
 namespace {
 
-constexpr int kSideMaxPx = 65'535;      // of a picture; JPEG's own limit
 constexpr int kTwinSideMaxPx = 16'384;  // what one simulated frame may cost in memory
 constexpr int kPatchSideMinPx = 4;      // fewer texels measure their own noise
 constexpr double kPositionMaxMm = 1e6;
@@ -215,18 +214,10 @@ void checkNames(const ConfigTable& table, const RigSpec& rig) {
         table.reject(trigger.id, "fires \"" + camera + "\", which is no [[camera]] of this rig");
 }
 
-RectPx takeRect(ConfigTable& table, const std::string& key) {
-  const auto numbers = table.takeNumbers(key, 4);
-  for (const double n : numbers) {
-    if (n != std::floor(n) || n < 0 || n > kSideMaxPx) {
-      table.reject(key, "must be [x, y, width, height] in whole pixels (0 to 65535)");
-    }
-  }
-  const RectPx rect{static_cast<int>(numbers[0]), static_cast<int>(numbers[1]),
-                    static_cast<int>(numbers[2]), static_cast<int>(numbers[3])};
-  if (std::min(rect.width, rect.height) < kPatchSideMinPx) {
+RectPx takePatchRect(ConfigTable& table, const std::string& key) {
+  const RectPx rect = takeRect(table, key);
+  if (std::min(rect.width, rect.height) < kPatchSideMinPx)
     table.reject(key, "is too small to measure light on (4 px a side at least)");
-  }
   return rect;
 }
 
@@ -241,7 +232,7 @@ PatchSpec takePatch(ConfigTable& table, const RigSpec& rig) {
   for (const PatchSpec& other : rig.patches) {
     if (other.camera == patch.camera) table.reject("camera", "has two patches");
   }
-  patch.rect_px = takeRect(table, "rect_px");
+  patch.rect_px = takePatchRect(table, "rect_px");
   const RectPx& r = patch.rect_px;
   const bool own_size = camera->settings.count("width") || camera->settings.count("height");
   const bool twin_sized = rig.twin && camera->backend == "twin" && !own_size;

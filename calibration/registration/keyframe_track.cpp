@@ -45,9 +45,15 @@ void KeyframeTrack::renew(ImageView<const float> frame, const Motion& frame_from
     keys_.erase(keys_.begin() + 1);
   keys_.push_back(std::move(key));
   current_ = keys_.size() - 1;
+  is_last_ = true;
   ++made_;
   last_ = frame_from_reference;
   last_agreement_.reset();
+}
+
+void KeyframeTrack::correct(const Motion& frame_from_reference) {
+  last_ = frame_from_reference;
+  if (is_last_) keys_[current_].from_reference = frame_from_reference;
 }
 
 Alignment KeyframeTrack::against(const Keyframe& key, ImageView<const float> frame,
@@ -69,6 +75,7 @@ Alignment KeyframeTrack::add(ImageView<const float> frame, Progress& progress,
     first.verdict = verdictOf(first.agreement, options_.align);
     return first;
   }
+  is_last_ = false;
   const Keyframe& key = keys_[current_];
   Alignment found = against(key, frame, last_, options_.align.search && !instead, progress);
   if (instead && found.verdict == Verdict::kLost)

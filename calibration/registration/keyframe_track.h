@@ -35,6 +35,8 @@ class KeyframeTrack {
                 std::optional<Motion> instead = {});
   // From here on frames are compared with this one, which lies where it is said to.
   void renew(ImageView<const float> frame, const Motion& frame_from_reference);
+  // The frame added last lies there, as is known better from elsewhere.
+  void correct(const Motion& frame_from_reference);
   int keyframesMade() const { return made_; }
 
  private:
@@ -51,6 +53,7 @@ class KeyframeTrack {
   Image<std::uint8_t> usable_;
   std::vector<Keyframe> keys_;
   std::size_t current_ = 0;
+  bool is_last_ = false;  // the current one is the frame added last
   int made_ = 0;
   Motion last_ = kNoMotion;                  // of the last trusted frame
   std::optional<Agreement> last_agreement_;  // of the same, with the current keyframe

@@ -85,6 +85,7 @@ FramePose PoseTrack::add(ImageView<const float> frame, Progress& progress) {
     const Alignment found = specimen_->add(frame, progress);
     describe(found, pose);
     judge(found, options_.keys.align, pose);
+    pose.placed = found.verdict != Verdict::kLost;
     pose.frame_from_reference = found.frame_from_reference;
     if (isTrusted(pose.verdict)) {
       noteJump(found.frame_from_reference, EpochCause::kEither, pose, frame.size());
@@ -97,6 +98,17 @@ FramePose PoseTrack::add(ImageView<const float> frame, Progress& progress) {
   return pose;
 }
 
+void PoseTrack::settle(ImageView<const float> frame, const Motion& frame_from_reference,
+                       bool changed) {
+  camera_ = chained(frame_from_reference, inverse(kept_));
+  if (changed) {
+    specimen_->renew(frame, chained(camera_, own_));
+    lost_in_a_row_ = 0;
+  } else if (!outside_) {
+    specimen_->correct(camera_);
+  }
+}
+
 void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Progress& progress) {
   const Alignment specimen = specimen_->add(frame, progress);
   // A bumped camera takes both along, and the specimen has more to hold on to.
@@ -106,6 +118,7 @@ void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Prog
                         ? std::optional(chained(specimen.frame_from_reference, inverse(own_)))
                         : std::nullopt);
   describe(camera, pose);
+  pose.placed = camera.verdict != Verdict::kLost;
   judge(specimen.verdict > camera.verdict ? specimen : camera, options_.keys.align, pose);
   if (specimen.verdict > camera.verdict) pose.covered_px = specimen.agreement.covered_px;
   pose.frame_from_reference = chained(camera.frame_from_reference, kept_);

@@ -39,6 +39,7 @@ struct FramePose {
   Motion frame_from_reference = kNoMotion;  // of the specimen
   Verdict verdict = Verdict::kGood;
   std::string reason;                    // why it is not good, with numbers: reasonOf()
+  bool placed = false;                   // where it lies was found, whatever else is the matter
   double share = 0, uncertainty_px = 0;  // of what was held on to
   double contrast = 1, sharpness = 1;    // coarse; fine over coarse
   RectPx covered_px;                     // px of the keyframe: what is in the way or walks through
@@ -52,6 +53,9 @@ class PoseTrack {
  public:
   explicit PoseTrack(TrackOptions options);
   FramePose add(ImageView<const float> frame, Progress& progress);
+  // The frame added last lies there, as others of the same moment tell. `changed`: it can be
+  // trusted against its verdict; what comes is compared with it.
+  void settle(ImageView<const float> frame, const Motion& frame_from_reference, bool changed);
   const std::vector<PoseEpoch>& epochs() const { return epochs_; }
   int keyframesMade() const;
 

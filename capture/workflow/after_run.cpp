@@ -53,6 +53,7 @@ RunReflectanceRequest reflectanceOf(const std::string& run_id, const std::string
   request.run = run_id;
   request.frames.selection.camera = camera;
   request.frames.selection.merged = merged;
+  request.frames.registration = options.registration;
   if (options.place) {
     const SpecimenPlace place = options.place(camera);
     request.region = place.region;
@@ -105,6 +106,7 @@ class Finisher {
     request.run = run_id_;
     std::tie(request.selection.camera, request.selection.light, std::ignore) = choice;
     request.selection.exposure = std::get<2>(choice);
+    request.registration = options_.registration;
     if (options_.place) {
       const SpecimenPlace place = options_.place(request.selection.camera);
       request.build.region = place.region;
@@ -117,6 +119,8 @@ class Finisher {
     request.seed = options_.seed;
     const TtfOutcome outcome = makeTtf(archive_, request, now_(), progress_);
     products_.push_back({"ttf", outcome.product.id, outcome.path, true});
+    if (const std::string refused = refusedFrames(outcome.registration); !refused.empty())
+      products_.back().warnings.push_back(nameOf(choice) + ": " + refused);
     return outcome.path;
   }
 
@@ -128,7 +132,8 @@ class Finisher {
     }
     const RunReflectanceOutcome outcome =
         fitRun(archive_, reflectanceOf(run_id_, camera, merged, options_), now_(), progress_);
-    products_.push_back({"brdf", outcome.product->id, outcome.set / "manifest.json", true});
+    products_.push_back(
+        {"brdf", outcome.product->id, outcome.set / "manifest.json", true, outcome.warnings});
     return outcome.product->id;
   }
 

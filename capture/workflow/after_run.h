@@ -21,9 +21,10 @@ struct SpecimenPlace {
   double mm_per_texel = 0;
 };
 struct AfterOptions {
-  std::vector<std::string> steps;  // "ttf" "film" "brdf" "stbrdf"
-  int degree = 3;                  // of "stbrdf"
-  int bin = 1;                     // of "brdf": pixels a side of a texel
+  std::vector<std::string> steps;                   // "ttf" "film" "brdf" "stbrdf"
+  int degree = 3;                                   // of "stbrdf"
+  int bin = 1;                                      // of "brdf": pixels a side of a texel
+  std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
   std::string version, process;
   std::uint64_t seed = 1;
   std::function<SpecimenPlace(const std::string& camera)> place;
@@ -32,7 +33,8 @@ struct AfterOptions {
 struct AfterProduct {
   std::string kind, id;
   std::filesystem::path path;
-  bool made = false;  // now; otherwise it was there
+  bool made = false;                    // now; otherwise it was there
+  std::vector<std::string> warnings{};  // of what was made now
 };
 // One texture for each camera, light state (but "off") and exposure; one film for each texture. One
 // BRDF set with times for each camera, all its exposures merged; one ST-BRDF for each of them.

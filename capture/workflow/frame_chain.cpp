@@ -61,9 +61,9 @@ FrameChain::FrameChain(const db::ArchiveReader& reader, const db::RunRow& run,
   if (request.rectify) {
     rectify_ = rectifyMap(reader, key, *request.rectify, request.correction.stale);
     of_run_.push_back(rectify_->view);
-    map = rectify_->map;
+    if (!request.laid_later) map = rectify_->map;
   }
-  if (request.registration)
+  if (request.registration && !request.laid_later)
     source_ = &registered_.emplace(*source_, *request.registration, std::move(map), progress);
   else if (map)
     source_ = &rectified_.emplace(*source_, std::nullopt, std::move(map));

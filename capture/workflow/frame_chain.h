@@ -27,6 +27,9 @@ struct FrameRequest {
   std::optional<RegistrationRequest> registration;  // nothing: frames as they lie
   std::optional<RectifyRequest> rectify;            // nothing: as the camera sees it
   std::optional<calibration::ColourSpace> colour;   // nothing: as the camera sees
+  // Neither is done: frames lie as they were taken, and whoever takes them lays them over one
+  // another and, by rectification(), into millimetres.
+  bool laid_later = false;
 };
 
 std::string rectText(const RectPx& r);  // "X,Y,WIDTH,HEIGHT", as options are kept
@@ -39,7 +42,7 @@ class FrameChain {
              Progress& progress);
 
   ttf::FrameSource& source() { return *source_; }
-  SizePx size() const;
+  SizePx size() const;  // when all is done
   // Level of a frame that a white diffuser shows, where it was made 1: mean over its fields.
   std::optional<double> whiteLevel() const { return white_level_; }
   const std::optional<RectifyMap>& rectification() const { return rectify_; }

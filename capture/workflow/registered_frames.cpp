@@ -52,6 +52,16 @@ Facts factsOf(const RegisteredFrame& one) {
 
 }  // namespace
 
+Image<std::uint8_t> outsideOf(const RegistrationRequest& request, const Image<float>& first) {
+  if (request.fiducials.empty() && !request.markers) return {};
+  Image<std::uint8_t> outside = maskOf(request.fiducials, first.size());
+  if (!request.markers) return outside;
+  const Image<std::uint8_t> markers = markersIn(first.view());
+  for (std::size_t k = 0; k < markers.texels().size(); ++k)
+    outside.texels()[k] |= markers.texels()[k];
+  return outside;
+}
+
 RegisteredFrames::RegisteredFrames(ttf::FrameSource& frames, const RegistrationRequest& request,
                                    std::optional<PixelMap> map, Progress& progress)
     : frames_(frames), request_(request), map_(std::move(map)), progress_(progress) {}
@@ -59,13 +69,7 @@ RegisteredFrames::RegisteredFrames(ttf::FrameSource& frames, const RegistrationR
 void RegisteredFrames::begin(const Image<float>& first) {
   TrackOptions options;
   options.keys.align.model = request_.model;
-  if (!request_.fiducials.empty() || request_.markers)
-    options.outside = maskOf(request_.fiducials, first.size());
-  if (request_.markers) {
-    const Image<std::uint8_t> markers = markersIn(first.view());
-    for (std::size_t k = 0; k < markers.texels().size(); ++k)
-      options.outside.texels()[k] |= markers.texels()[k];
-  }
+  options.outside = outsideOf(request_, first);
   if (request_.deform) {
     DeformationTrackOptions fields;
     fields.specimen = options.outside;

@@ -22,6 +22,10 @@ struct RegistrationRequest {
   bool deform = false;            // a smooth field on top, from recent frames
 };
 
+// What is not specimen, of the first frame: fiducials and markers, others 0. Empty where the
+// request names none. Throws CalibrationError as maskOf() and markersIn().
+Image<std::uint8_t> outsideOf(const RegistrationRequest& request, const Image<float>& first);
+
 struct RegisteredFrame {
   double time_s = 0;
   Sha256 source;

@@ -54,23 +54,23 @@ class RunFit {
     refuseOther();
     const FolderLock lock(outcome_.set);
     // Calibrations and lights are those of any step's frames: found out on the first.
-    auto sweeps = std::make_unique<Sweeps>(reader_, run_, plan_, frames(), 0, progress_);
-    prepare(*sweeps);
-    describe(*sweeps);
-    std::size_t from = 0;
-    std::string print = stepPrint(0);
-    while (from < count && isThere(from, print)) {
-      keepStep(from, false, {}, 0);
-      print_before_ = print;
-      print = stepPrint(++from);
+    sweeps_ = std::make_unique<Sweeps>(reader_, run_, plan_, frames(), 0, progress_);
+    prepare(*sweeps_);
+    describe(*sweeps_);
+    std::size_t at = 0;  // of the pictures
+    for (std::size_t step = 0; step < count; ++step) {
+      const std::string print = stepPrint(step);
+      if (isThere(print)) {
+        keepStep(step, print, false, {}, 0);
+        continue;
+      }
+      if (at != step)
+        sweeps_ = std::make_unique<Sweeps>(reader_, run_, plan_, frames(), step, progress_);
+      fitStep(step, print, *sweeps_->next());
+      at = step + 1;
     }
-    if (from > 0 && from < count)
-      sweeps = std::make_unique<Sweeps>(reader_, run_, plan_, frames(), from, progress_);
-    for (std::size_t step = from; step < count; ++step) {
-      fitStep(step, *sweeps->next());
-      print_before_ = stepPrint(step);
-    }
-    if (!request_.so_far) finish(*sweeps, now);
+    for (const std::string& note : sweeps_->notes()) outcome_.warnings.push_back(note);
+    if (!request_.so_far) finish(*sweeps_, now);
     return std::move(outcome_);
   }
 
@@ -78,8 +78,7 @@ class RunFit {
   FrameRequest frames() const {
     FrameRequest frames = request_.frames;
     frames.white = true;
-    // Poses are found on whole pictures: there levels beyond white are told by their size alone.
-    if (!frames.registration) frames.correction.clipped = Clipped::kUnknown;
+    frames.correction.clipped = Clipped::kUnknown;
     return frames;
   }
 
@@ -128,7 +127,7 @@ class RunFit {
     warnOfWhite();
     brdf::MultiLightOptions& options = fit_.options = request_.fit;
     options.mm_per_texel = mm > 0 ? static_cast<float>(mm) : 1;
-    options.saturated = saturatedLevel();
+    options.saturated = 1e6f;  // what is clipped is not known
     options.deep_shadows = true;
     options.neighbour_px = std::min(request_.fit.neighbour_px * request_.bin, 256);
     options.noise = noiseOfPixels(noiseOf(chain), fit_.states, chain.frames().as_short);
@@ -181,14 +180,6 @@ class RunFit {
         "no photon transfer of this camera: it is taken to hold 15,000 electrons; run `patina "
         "calibrate noise`");
     return kUnknownCamera;
-  }
-
-  // Of registered frames: no level that may be clipped counts, wherever in the picture it is.
-  float saturatedLevel() const {
-    if (!request_.frames.registration) return 1e6f;
-    double least = HUGE_VAL;
-    for (const StateLight& state : fit_.states) least = std::min(least, 1 / state.white_level);
-    return static_cast<float>(0.98 * least);
   }
 
   // What every step's result depends on, besides its frames.
@@ -255,38 +246,59 @@ class RunFit {
     return sha256(text).hex();
   }
 
-  bool isThere(std::size_t step, const std::string& print) const {
-    if (!brdf::brdfStepIsThere(outcome_.set, static_cast<int>(step))) return false;
-    return brdf::readManifest(brdf::brdfStepFolder(outcome_.set, static_cast<int>(step)))
-               .text("made_of_sha256") == print;
+  // The set's next step.
+  int next() const { return static_cast<int>(outcome_.steps.size()); }
+
+  bool isThere(const std::string& print) const {
+    if (!brdf::brdfStepIsThere(outcome_.set, next())) return false;
+    return brdf::readManifest(brdf::brdfStepFolder(outcome_.set, next())).text("made_of_sha256") ==
+           print;
   }
 
-  brdf::BrdfSetInfo infoOf(std::size_t steps) const {
+  brdf::BrdfSetInfo infoOfSteps() const {
     brdf::BrdfSetInfo info;
     info.model = fit_.options.model;
     if (info.model == brdf::Model::kTorranceSparrow) info.roughness = brdf::RoughnessKind::kSigma;
-    for (std::size_t k = 0; k < steps; ++k) info.times.push_back(plan_.steps[k].time_s);
+    for (const FittedStep& step : outcome_.steps) info.times.push_back(step.time_s);
     return info;
   }
 
-  void keepStep(std::size_t step, bool fitted, const brdf::MultiLightReport& report,
-                std::size_t lights) {
+  void keepStep(std::size_t step, const std::string& print, bool fitted,
+                const brdf::MultiLightReport& report, std::size_t lights) {
     outcome_.steps.push_back({plan_.steps[step].number, plan_.steps[step].time_s, fitted,
                               static_cast<std::int64_t>(lights), report});
+    print_before_ = print;
   }
 
-  void fitStep(std::size_t step, const SweepPictures& sweep) {
-    const brdf::MultiLightFit fit = fitSweep(fit_, sweep, static_cast<int>(step), progress_);
-    brdf::BrdfSetInfo info = infoOf(plan_.steps.size());
-    info.facts.text("made_of_sha256", stepPrint(step));
+  // A step whose frames were refused under so many lamps that the rest do not tell reflectance is
+  // left out.
+  void fitStep(std::size_t step, const std::string& print, const SweepPictures& sweep) {
+    brdf::MultiLightFit fit;
+    try {
+      fit = fitSweep(fit_, sweep, next(), progress_);
+    } catch (const ProcessingError& error) {
+      if (error.exit() != Exit::kBadData || sweep.pictures.size() == plan_.states.size()) throw;
+      if (outcome_.left_out.empty()) first_left_ = error.what();
+      outcome_.left_out.push_back(plan_.steps[step].number);
+      outcome_.warnings.push_back("step " + std::to_string(plan_.steps[step].number) +
+                                  " left out: " + error.what());
+      return;
+    }
+    brdf::BrdfSetInfo info = infoOfSteps();
+    info.times.push_back(plan_.steps[step].time_s);
+    info.facts.text("made_of_sha256", print);
     info.facts.count("step", plan_.steps[step].number);
     info.facts.count("lights", static_cast<std::int64_t>(sweep.pictures.size()));
+    info.facts.set("resampled", sweep.anyResampled());
     info.facts.number("residual_rms", fit.report.residual_rms);
-    brdf::writeBrdfStep(outcome_.set, info, static_cast<int>(step), fit.maps);
-    keepStep(step, true, fit.report, sweep.pictures.size());
+    brdf::writeBrdfStep(outcome_.set, info, next(), fit.maps);
+    keepStep(step, print, true, fit.report, sweep.pictures.size());
   }
 
   void finish(const Sweeps& sweeps, UtcTime now) {
+    if (outcome_.steps.empty())
+      throw WorkflowError(Exit::kBadData,
+                          "every step is left out, the first because " + first_left_);
     for (std::size_t i = 0; i < fit_.states.size(); ++i) {
       const FrameChain& chain = sweeps.chain(i);
       for (const std::string& used : chain.calibrations())
@@ -300,15 +312,18 @@ class RunFit {
     }
     for (const SweepStep& step : plan_.steps)
       for (const std::string& frame : step.frame_sha256s) making_.input_sha256s.push_back(frame);
-    brdf::BrdfSetInfo info = infoOf(plan_.steps.size());
+    brdf::BrdfSetInfo info = infoOfSteps();
     const Facts made = making_.facts();
     info.facts.text("command", request_.command).text("version", request_.version);
     info.facts.text("run_id", run_.id).text("inputs_sha256", *made.text("inputs_sha256"));
     info.facts.text("made_of_sha256", print_before_);
     info.facts.number("mm_per_texel", mm_per_texel_).set("lights", outcome_.lights);
     std::vector<double> numbers;
-    for (const SweepStep& step : plan_.steps) numbers.push_back(static_cast<double>(step.number));
+    for (const FittedStep& step : outcome_.steps)
+      numbers.push_back(static_cast<double>(step.number));
     info.facts.set("steps", numbers);
+    for (int step = next(); brdf::brdfStepIsThere(outcome_.set, step); ++step)
+      fs::remove_all(brdf::brdfStepFolder(outcome_.set, step));  // of other options, once
     fs::remove_all(outcome_.set / "pixels");
     brdf::finishBrdfSet(outcome_.set, info);
     record(now);
@@ -317,8 +332,9 @@ class RunFit {
   void record(UtcTime now) {
     Facts metadata;
     metadata.text("specimen", run_.specimen).text("camera", plan_.camera);
-    metadata.count("steps", static_cast<std::int64_t>(plan_.steps.size()));
+    metadata.count("steps", next());
     metadata.count("steps_partial_left_out", static_cast<std::int64_t>(plan_.partial.size()));
+    metadata.count("steps_refused", static_cast<std::int64_t>(outcome_.left_out.size()));
     metadata.count("t0_utc_ns", toNs(run_.t0_utc)).number("mm_per_texel", mm_per_texel_);
     if (!request_.after.empty()) metadata.text("after", request_.after);
     const ProductFile file{id_, outcome_.set / "manifest.json", request_.out.empty()};
@@ -334,12 +350,13 @@ class RunFit {
   std::string id_;
   RunReflectanceOutcome outcome_;
   SweepFit fit_;
+  std::unique_ptr<Sweeps> sweeps_;
   double mm_per_texel_ = 0;
   std::vector<RunCalibration> light_calibrations_;
   std::vector<std::string> light_sha256s_;
   Making making_;
   std::map<db::RowId, std::vector<db::RowId>> bound_;  // calibrations of each frame
-  std::string common_, print_before_;
+  std::string common_, print_before_, first_left_;
 };
 
 }  // namespace

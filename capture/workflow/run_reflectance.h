@@ -48,8 +48,9 @@ struct RunReflectanceOutcome {
   std::filesystem::path set;
   std::optional<db::ProductRow> product;  // nothing so far
   std::vector<FittedStep> steps;
-  std::vector<std::int64_t> partial;  // steps left out
-  std::vector<std::string> lights;    // "a: near_lights 3: 0.1 days away; white by field"
+  std::vector<std::int64_t> partial;   // steps left out
+  std::vector<std::int64_t> left_out;  // whole ones, whose frames were refused under too many lamps
+  std::vector<std::string> lights;     // "a: near_lights 3: 0.1 days away; white by field"
   std::vector<std::string> calibrations, warnings;
   double mm_per_texel = 0;
 };

@@ -95,13 +95,14 @@ brdf::Filters filtersAt(const brdf::Filters& whole, int x, int y) {
 
 brdf::MultiLightFit fitSweep(const SweepFit& fit, const SweepPictures& sweep, int step,
                              Progress& progress) {
+  brdf::MultiLightOptions options = fit.options;
+  if (sweep.anyResampled()) options.filters.reset();
   std::vector<Image<float>> pictures;
   for (const SweepPicture& one : sweep.pictures) {
-    pictures.push_back(pixelsUnder(fit.states[one.state], one.linear.view(), fit.region,
-                                   fit.options.mm_per_texel));
-    if (fit.options.filters)
-      pictures.back() =
-          brdf::ownColours(std::as_const(pictures.back()).view(), *fit.options.filters);
+    pictures.push_back(
+        pixelsUnder(fit.states[one.state], one.linear.view(), fit.region, options.mm_per_texel));
+    if (options.filters)
+      pictures.back() = brdf::ownColours(std::as_const(pictures.back()).view(), *options.filters);
   }
   std::vector<brdf::FitSample> samples;
   for (std::size_t i = 0; i < pictures.size(); ++i)
@@ -112,9 +113,9 @@ brdf::MultiLightFit fitSweep(const SweepFit& fit, const SweepPictures& sweep, in
   if (earlier)
     before.push_back({earlier->specular.view(), earlier->roughness.view(),
                       earlier->extra.at("Confidence").view()});
-  brdf::MultiLightFit found = brdf::fitManyLights(samples, fit.options, before, progress);
+  brdf::MultiLightFit found = brdf::fitManyLights(samples, options, before, progress);
   if (!fit.pixels.empty()) keepPixels(fit, found.maps, step);
-  found.maps = brdf::texelsOfPixels(found.maps, found.told, fit.options.filters, fit.bin);
+  found.maps = brdf::texelsOfPixels(found.maps, found.told, options.filters, fit.bin);
   return found;
 }
 

@@ -39,7 +39,8 @@ brdf::FitNoise noiseOfPixels(const calibration::NoiseModel& green,
                              const std::vector<StateLight>& states, int averaged = 1);
 
 struct SweepFit {
-  brdf::MultiLightOptions options;  // of pixels; `filters` of the region's
+  brdf::MultiLightOptions
+      options;  // of pixels; `filters`, of the region's, where none is resampled
   std::vector<StateLight> states;
   RectPx region;  // whole texels
   int bin = 1;

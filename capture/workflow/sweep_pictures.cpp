@@ -110,6 +110,7 @@ Sweeps::Sweeps(const db::ArchiveReader& reader, const db::RunRow& run, const Swe
   });
   FrameRequest of_state = request;
   of_state.selection.camera = plan.camera;
+  of_state.laid_later = request.registration.has_value();
   // Poses hang together from the first frame on: a registered run is gone through whole.
   if (!request.registration && from > 0) of_state.selection.from_step = plan.steps[from - 1].number;
   for (const std::string& state : plan.states) {
@@ -118,48 +119,85 @@ Sweeps::Sweeps(const db::ArchiveReader& reader, const db::RunRow& run, const Swe
     stream->chain = std::make_unique<FrameChain>(reader, run, of_state, progress);
     streams_.push_back(std::move(stream));
   }
+  if (!request.registration) return;
+  std::optional<PixelMap> map;
+  if (const auto& rectified = chain(0).rectification()) map = rectified->map;
+  registered_.emplace(*request.registration, plan.states, std::move(map), progress);
 }
 
 Sweeps::~Sweeps() = default;
 
-// As far as the first frame behind step `upto`.
-void Sweeps::pull(Stream& stream, std::size_t upto) {
-  while (!stream.ended && (stream.frames.empty() || stream.frames.back().step <= upto)) {
+bool SweepPictures::anyResampled() const {
+  return std::ranges::any_of(pictures, &SweepPicture::resampled);
+}
+
+// Past frames of steps that are read: of several of one lamp in a step the first counts.
+void Sweeps::lookAhead(Stream& stream) {
+  while (!stream.ended && !stream.ahead) {
     std::optional<ttf::SourceFrame> frame = stream.chain->source().next();
-    if (!frame) {
-      stream.ended = true;
-      return;
-    }
+    stream.ended = !frame;
+    if (!frame) return;
     const auto step = step_of_.find({frame->source.hex(), nsOf(frame->time_s)});
-    if (step != step_of_.end())
-      stream.frames.push_back({step->second, frame->time_s, std::move(frame->linear)});
-    while (stream.frames.size() > 1 && stream.frames[1].step < at_) stream.frames.pop_front();
+    if (step != step_of_.end() && (!read_ || step->second > *read_))
+      stream.ahead = Frame{step->second, frame->time_s, std::move(frame->linear)};
   }
 }
 
-std::optional<Image<float>> Sweeps::ofMoment(Stream& stream, std::size_t step) {
-  pull(stream, step);
-  while (stream.frames.size() > 1 && stream.frames[1].step < step) stream.frames.pop_front();
-  const auto own = std::ranges::find(stream.frames, step, &Frame::step);
-  if (own == stream.frames.end()) return std::nullopt;
-  const Frame* before = own == stream.frames.begin() ? nullptr : &*std::prev(own);
-  const Frame* behind = std::next(own) == stream.frames.end() ? nullptr : &*std::next(own);
+bool Sweeps::readStep() {
+  std::optional<std::size_t> step;
+  for (const auto& stream : streams_) {
+    lookAhead(*stream);
+    if (stream->ahead) step = std::min(step.value_or(stream->ahead->step), stream->ahead->step);
+  }
+  if (!step) return false;
+  read_ = step;
+  const bool wanted = *step + 1 >= at_;
+  std::vector<SweepPicture> pictures;
+  std::vector<double> times_s(streams_.size());
+  for (std::size_t i = 0; i < streams_.size(); ++i) {
+    std::optional<Frame>& ahead = streams_[i]->ahead;
+    if (!ahead || ahead->step != *step) continue;
+    times_s[i] = ahead->time_s;
+    pictures.push_back({i, std::move(ahead->linear), false});
+    ahead.reset();
+  }
+  std::ranges::sort(pictures, {}, [&](const SweepPicture& one) { return times_s[one.state]; });
+  if (registered_) registered_->lay(plan_.steps[*step].number, pictures, wanted);
+  if (!wanted) return true;
+  for (SweepPicture& one : pictures) {
+    std::deque<Frame>& frames = streams_[one.state]->frames;
+    frames.push_back({*step, times_s[one.state], std::move(one.linear), one.resampled});
+    while (frames.front().step + 1 < at_) frames.pop_front();
+  }
+  return true;
+}
+
+std::optional<SweepPicture> Sweeps::ofMoment(std::size_t state, std::size_t step) const {
+  const std::deque<Frame>& frames = streams_[state]->frames;
+  const auto frameOf = [&](std::size_t of) {
+    const auto found = std::ranges::find(frames, of, &Frame::step);
+    return found == frames.end() ? nullptr : &*found;
+  };
+  const Frame* own = frameOf(step);
+  if (!own) return std::nullopt;
   const auto neighbour = [&](const Frame* frame) -> std::optional<TimedPicture> {
     if (!frame || frame->time_s == own->time_s) return std::nullopt;
     return TimedPicture{frame->time_s - own->time_s, frame->linear.view()};
   };
-  Image<float> picture = own->linear;
-  moveInTime(picture, neighbour(before), neighbour(behind), plan_.steps[step].time_s - own->time_s);
+  SweepPicture picture{state, own->linear, own->resampled};
+  moveInTime(picture.linear, neighbour(step > 0 ? frameOf(step - 1) : nullptr),
+             neighbour(frameOf(step + 1)), plan_.steps[step].time_s - own->time_s);
   return picture;
 }
 
 std::optional<SweepPictures> Sweeps::next() {
   if (at_ >= plan_.steps.size()) return std::nullopt;
+  while ((!read_ || *read_ <= at_) && readStep()) {
+  }
   SweepPictures out;
   out.number = plan_.steps[at_].number;
   for (std::size_t i = 0; i < streams_.size(); ++i)
-    if (auto picture = ofMoment(*streams_[i], at_))
-      out.pictures.push_back({i, std::move(*picture)});
+    if (auto picture = ofMoment(i, at_)) out.pictures.push_back(std::move(*picture));
   ++at_;
   return out;
 }

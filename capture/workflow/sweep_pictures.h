@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "capture/workflow/frame_chain.h"
+#include "capture/workflow/registered_sweeps.h"
 
 namespace patina::workflow {
 
@@ -34,18 +35,16 @@ struct SweepPlan {
 SweepPlan planSweeps(const db::ArchiveReader& reader, const std::string& run_id,
                      const FrameSelection& selection);
 
-struct SweepPicture {
-  std::size_t state = 0;  // of the plan
-  Image<float> linear;
-};
 struct SweepPictures {
   std::int64_t number = 0;
   std::vector<SweepPicture> pictures;  // states whose frame was refused are not there
+  bool anyResampled() const;
 };
 
-// Frames of each state are pulled in order of time, a step before and one behind the one at hand in
-// memory: three pictures a lamp. A picture is brought to its step's moment along the slope that its
-// lamp's pictures of the steps before and behind give (moveInTime).
+// Frames are pulled step by step, and where they are to be registered, laid over the first step
+// together (RegisteredSweeps). The step before and the one behind that at hand are in memory, and
+// one picture more a lamp: four. A picture is brought to its step's moment along the slope that its
+// lamp's pictures of the steps before and behind give (moveInTime); no others take part.
 // Thread-bound; reader and progress outlive it.
 class Sweeps {
  public:
@@ -57,25 +56,34 @@ class Sweeps {
 
   std::optional<SweepPictures> next();
   const FrameChain& chain(std::size_t state) const { return *streams_[state]->chain; }
+  // What registration left out or took for ageing so far.
+  std::vector<std::string> notes() const {
+    return registered_ ? registered_->notes() : std::vector<std::string>();
+  }
 
  private:
   struct Frame {
     std::size_t step = 0;  // of the plan
     double time_s = 0;
     Image<float> linear;
+    bool resampled = false;
   };
   struct Stream {
     std::unique_ptr<FrameChain> chain;
-    std::deque<Frame> frames;
+    std::optional<Frame> ahead;  // the next one, of a step that is not read yet
+    std::deque<Frame> frames;    // of steps that are, in order
     bool ended = false;
   };
-  void pull(Stream& stream, std::size_t upto);
-  std::optional<Image<float>> ofMoment(Stream& stream, std::size_t step);
+  void lookAhead(Stream& stream);
+  bool readStep();  // the next one that has frames, of all streams; false when there is none
+  std::optional<SweepPicture> ofMoment(std::size_t state, std::size_t step) const;
 
   const SweepPlan plan_;
   std::size_t at_;
+  std::optional<std::size_t> read_;                                      // the last step that was
   std::map<std::pair<std::string, std::int64_t>, std::size_t> step_of_;  // by hash and time, ns
   std::vector<std::unique_ptr<Stream>> streams_;
+  std::optional<RegisteredSweeps> registered_;
 };
 
 // The same view at another time.

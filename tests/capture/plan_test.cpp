@@ -52,6 +52,8 @@ policy = "skip"
 reserve = "2GB"
 [after]
 steps = ["ttf", "film"]
+register = "translation"
+fiducial = [0, 308, 76, 76]
 [alerts.camera_down]
 onset = "1min"
 [light_check]
@@ -70,6 +72,8 @@ mode = "uncontrolled"
   EXPECT_EQ(plan.light_check.mode, LightMode::kUncontrolled);
   EXPECT_EQ(plan.disk_reserve_bytes, 2'000'000'000u);
   EXPECT_EQ(plan.after.size(), 2u);
+  EXPECT_EQ(plan.after_register, "translation");
+  EXPECT_EQ(plan.after_fiducial, (RectPx{0, 308, 76, 76}));
   EXPECT_EQ(plan.alerts.rules[static_cast<std::size_t>(AlertKind::kCameraDown)].onset, 1min);
   EXPECT_EQ(plan.sha256.size(), 64u);
   EXPECT_EQ(shotsAStep(plan), 6);
@@ -112,6 +116,26 @@ TEST(Plan, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(errorOf(with("band = 0.03", "band = 3")), HasSubstr("0.5"));
   EXPECT_THAT(errorOf("rig = \"r\"\nspecimen = \"s\"\ninterval = \"1s\"\nduration = \"1h\"\n"),
               HasSubstr("sweep"));
+}
+
+TEST(Plan, RefusesToLayFramesOverOneAnotherAsNobodyCan) {
+  const auto errorOfAfter = [](const char* line) {
+    return errorOf(with("[light_check]\n", std::string("[after]\n") + line + "\n[light_check]\n"));
+  };
+  EXPECT_THAT(errorOfAfter("register = \"perspective\""), HasSubstr("affine"));
+  EXPECT_THAT(errorOfAfter("fiducial = [0, 0, 8, 8]"), HasSubstr("register"));
+  EXPECT_THAT(errorOfAfter("register = \"affine\"\nfiducial = [0, 0, 8]"), HasSubstr("fiducial"));
+}
+
+TEST(Plan, IsFedByStepsUnlessFramesAreRegistered) {
+  const auto isFed = [](const char* line) {
+    return isFedBySteps(
+        parsePlan(with("[light_check]\n",
+                       std::string("[after]\nsteps = [\"stbrdf\"]\n") + line + "\n[light_check]\n"),
+                  "week.toml"));
+  };
+  EXPECT_TRUE(isFed(""));
+  EXPECT_FALSE(isFed("register = \"translation\""));
 }
 
 TEST(Plan, ReadsAnOffsetFromUtcInEitherForm) {

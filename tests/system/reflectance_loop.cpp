@@ -58,6 +58,14 @@ class Truth {
   }
 
   const RectPx& rect() const { return rect_; }
+  // With its border: what does not age in a frame.
+  RectPx patch() const {
+    const RectPx& inner = layout_.patch_px;
+    const int border = twin::patchBorderPx(inner), x = std::max(0, inner.x - border),
+              y = std::max(0, inner.y - border);
+    return {x, y, std::min(inner.x + inner.width + border, loop_.side_px) - x,
+            std::min(inner.y + inner.height + border, loop_.side_px) - y};
+  }
   // Of texels: the mean of their pixels.
   brdf::BrdfMaps maps(double time) const {
     const twin::SurfaceMaps fine = mapsAt(*surface_, time, grid_.size);
@@ -284,9 +292,14 @@ class Judge {
   double psnr_worst_ = HUGE_VAL;
 };
 
-std::string afterText(const Loop& loop) {
-  return "[after]\nsteps = [\"brdf\", \"stbrdf\"]\nbin = " + std::to_string(loop.bin) +
-         "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n";
+std::string afterText(const Loop& loop, const RectPx& patch) {
+  std::string text = "[after]\nsteps = [\"brdf\", \"stbrdf\"]\nbin = " + std::to_string(loop.bin) +
+                     "\ndegree = " + std::to_string(std::min(loop.degree, loop.steps - 1)) + "\n";
+  if (loop.registered) text += "register = \"translation\"\n";
+  if (loop.by_patch)
+    text += "fiducial = [" + std::to_string(patch.x) + ", " + std::to_string(patch.y) + ", " +
+            std::to_string(patch.width) + ", " + std::to_string(patch.height) + "]\n";
+  return text;
 }
 
 }  // namespace
@@ -295,13 +308,14 @@ std::string planOf(const TempFolder& folder) { return folder / "plan.toml"; }
 std::string archiveOf(const TempFolder& folder) { return folder / "archive"; }
 
 void prepareLoop(const Loop& loop, const TempFolder& folder) {
+  const Truth truth(loop);
   Loop card = loop;
   card.frames = 1;
   writeFile(folder / "rig.toml", rigText(loop, Card::kNone, false));
   writeFile(folder / "noise_rig.toml", rigText(loop, Card::kAllOver, false));
   writeFile(folder / "card_rig.toml", rigText(loop, Card::kBesideThePatch, false));
   writeFile(folder / "plan.toml", planText(loop, "rig.toml", plainName(loop.specimen), loop.steps,
-                                           loop.registered ? "" : afterText(loop)));
+                                           afterText(loop, truth.patch())));
   writeFile(folder / "card.toml", planText(card, "card_rig.toml", "card", 4 * loop.frames,
                                            "[light_check]\nmode = \"uncontrolled\"\n"));
   writeFile(folder / "noise.toml", noisePlanText("noise_rig.toml"));
@@ -314,7 +328,6 @@ void prepareLoop(const Loop& loop, const TempFolder& folder) {
     const Finished done = runPatina(all);
     ASSERT_EQ(done.exit, 0) << done.err;
   }
-  const Truth truth(loop);
   const RectPx& r = truth.rect();
   Progress progress;
   for (int lamp = 0; lamp < lampsOf(loop); ++lamp) {

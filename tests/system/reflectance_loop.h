@@ -17,7 +17,8 @@ struct Loop {
   int closer = 1;  // the camera sees this part of the specimen's width
   bool shadows = true;
   int frames = 1;           // of every lamp a step, averaged
-  bool registered = false;  // fitted after the run, each lamp's frames laid over its first
+  bool registered = false;  // frames laid over the first step
+  bool by_patch = false;    // registered by the grey patch alone
 };
 
 // Plan, rigs and card's plans in `folder`; the camera's noise and fields of every lamp in

@@ -162,6 +162,12 @@ workflow::AfterOptions afterOptions(const RunFiles& files) {
   after.steps = files.plan.after;
   after.bin = files.plan.after_bin;
   after.degree = files.plan.after_degree;
+  if (!files.plan.after_register.empty()) {
+    after.registration.emplace();
+    after.registration->model = calibration::parseMotionModel(files.plan.after_register);
+    if (const auto& fiducial = files.plan.after_fiducial)
+      after.registration->fiducials = {*fiducial};
+  }
   after.version = PATINA_VERSION;
   after.seed = files.plan.seed;
   if (files.rig.twin) after.process = files.rig.twin->specimen;
@@ -175,7 +181,10 @@ void finishAfter(Context& context, const RunFiles& files, const std::string& run
       context.archive(), run_id, afterOptions(files), [&context] { return context.clock.utc(); },
       context.progress);
   std::vector<std::string> paths;
-  for (const workflow::AfterProduct& product : products) paths.push_back(product.path.string());
+  for (const workflow::AfterProduct& product : products) {
+    paths.push_back(product.path.string());
+    for (const std::string& warning : product.warnings) context.warn(warning);
+  }
   if (!paths.empty()) item.set("products", Value{paths});
   context.out.asList();
   context.out.add(std::move(item));

@@ -72,6 +72,22 @@ TEST(AfterADomesRun, ReflectanceAndItsAgeingAreMadeOnceAndGoOnFromWhatWasFed) {
     EXPECT_FALSE(product.made);
 }
 
+TEST(AfterADomesRun, FramesAreLaidOverTheFirstStepWhereThePlanAsksAndWhatIsLeftOutIsSaid) {
+  const TempFolder folder = TempFolder::inMemory();
+  const std::string run = testing::makeDomeRun(folder.path(), 3, -1, [](int step) {
+    return testing::wavyMaps(1.5 * step, step == 1 ? 7 : 1);
+  });
+  AfterOptions options;
+  options.steps = {"brdf"};
+  options.lamps = testing::domeRig();
+  options.registration.emplace();
+  Progress progress;
+  const auto products = finishRun(folder.path(), run, options, testing::now, progress);
+  ASSERT_EQ(products.size(), 1u);
+  EXPECT_EQ(brdf::readBrdfSetInfo(products[0].path.parent_path()).steps(), 2);
+  EXPECT_THAT(products[0].warnings, ::testing::Contains(::testing::HasSubstr("step 1 left out")));
+}
+
 TEST_F(AfterRun, DoesNothingUnlessAsked) { EXPECT_TRUE(finish({}).empty()); }
 
 }  // namespace

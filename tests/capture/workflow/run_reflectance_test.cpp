@@ -11,6 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using testing::TempFolder;
 
 // Stops when the second step begins to be fitted.
@@ -99,6 +100,57 @@ TEST_F(RunReflectance, StepsOfOtherOptionsAreMadeAnew) {
   request.so_far = false;
   request.white_level = 0.9;
   EXPECT_TRUE(fit(request).steps[0].fitted);
+}
+
+// Three steps, each a pixel and a half to the right; of the second something else is seen.
+class RegisteredReflectance : public RunReflectance {
+ protected:
+  static RunReflectanceRequest shoot(const TempFolder& folder, std::uint64_t second) {
+    auto request =
+        testing::domeRequest(testing::makeDomeRun(folder.path(), 3, -1, [second](int step) {
+          return testing::wavyMaps(1.5 * step, step == 1 ? second : 1);
+        }));
+    request.frames.registration.emplace();
+    return request;
+  }
+};
+
+TEST_F(RegisteredReflectance, ShowsTheSamePlaceAtEveryStep) {
+  const auto outcome = fit(shoot(folder_, 1));
+  const brdf::BrdfSetInfo info = brdf::readBrdfSetInfo(outcome.set);
+  ASSERT_EQ(info.steps(), 3);
+  const RectPx middle{8, 4, 48, 40};
+  for (int step = 0; step < 3; ++step) {
+    const brdf::BrdfMaps maps = brdf::readBrdfMaps(outcome.set, info, step);
+    Image<float> want = testing::wavyMaps(0, 1).diffuse;
+    for (float& v : want.texels())
+      v *= static_cast<float>(testing::domeBrightness(info.times[static_cast<std::size_t>(step)]));
+    EXPECT_LT(brdf::rms(copyOf<float>(maps.diffuse.view().crop(middle)),
+                        copyOf<float>(want.view().crop(middle))),
+              0.01)  // without: 0.05 and more
+        << step;
+  }
+}
+
+TEST_F(RegisteredReflectance, LeavesOutAndNamesAStepWhosePlaceNoLampTells) {
+  const auto outcome = fit(shoot(folder_, 7));
+  EXPECT_THAT(outcome.left_out, ElementsAre(1));
+  EXPECT_THAT(brdf::readBrdfSetInfo(outcome.set).times, ElementsAre(110, 1310));
+  EXPECT_THAT(outcome.warnings,
+              ::testing::IsSupersetOf({HasSubstr("step 1 left out: 0 lights do not tell"),
+                                       HasSubstr("12 of 36 frames refused: step 1 l0 (lost: ")}));
+}
+
+TEST_F(RegisteredReflectance, GoesOnBehindAStepThatWasLeftOutWithTheSameBytes) {
+  const auto request = shoot(folder_, 7);
+  StopsInTheSecondStep stopping;
+  EXPECT_THROW(fitRun(folder_.path(), request, testing::now(), stopping), Stopped);
+  const auto outcome = fit(request);
+  EXPECT_FALSE(outcome.steps[0].fitted);
+  const TempFolder other = TempFolder::inMemory();
+  Progress progress;
+  const auto undisturbed = fitRun(other.path(), shoot(other, 7), testing::now(), progress);
+  EXPECT_EQ(bytesBelow(outcome.set), bytesBelow(undisturbed.set));
 }
 
 TEST_F(RunReflectance, BinsPixelsIntoTexels) {
