@@ -66,7 +66,14 @@ std::string rigText(const Loop& loop, Card card, bool all) {
   }
   text += "[twin]\nspecimen = \"" + loop.specimen + "\"\nsize = \"" + side + "x" + side +
           "\"\nshadows = " + (loop.shadows && !all ? "true" : "false") + "\n";
-  return card == Card::kNone ? text : text + cardText(loop, card);
+  if (card != Card::kNone) return text + cardText(loop, card);
+  return loop.bump_px > 0 && !all ? text + "faults = \"faults.toml\"\n" : text;
+}
+
+std::string bumpText(const Loop& loop) {
+  return "[[fault]]\nat = \"" + std::to_string(intervalOf(loop) * (2 * (loop.steps / 2) - 1) / 2) +
+         "s\"\ndevice = \"cam0\"\nkind = \"camera_bumped\"\namount = " +
+         std::to_string(loop.bump_px * viewMm(loop) / loop.side_px) + "\n";
 }
 
 std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,

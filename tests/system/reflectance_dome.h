@@ -24,6 +24,7 @@ enum class Card { kNone, kAllOver, kBesideThePatch };
 // A grey card over all that is seen, or all of the specimen. `all`: the lamps that are left out
 // too.
 std::string rigText(const Loop& loop, Card card, bool all);
+std::string bumpText(const Loop& loop);  // faults.toml of that rig
 std::string planText(const Loop& loop, const std::string& rig, const std::string& specimen,
                      int steps, const std::string& rest);
 // Pairs of flats of the first lamp, and of darks.

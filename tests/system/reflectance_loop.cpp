@@ -318,6 +318,7 @@ void prepareLoop(const Loop& loop, const TempFolder& folder) {
                                            afterText(loop, truth.patch())));
   writeFile(folder / "card.toml", planText(card, "card_rig.toml", "card", 4 * loop.frames,
                                            "[light_check]\nmode = \"uncontrolled\"\n"));
+  if (loop.bump_px > 0) writeFile(folder / "faults.toml", bumpText(loop));
   writeFile(folder / "noise.toml", noisePlanText("noise_rig.toml"));
   for (const std::vector<std::string>& args :
        {std::vector<std::string>{"rehearse", folder / "noise.toml"},

@@ -19,6 +19,7 @@ struct Loop {
   int frames = 1;           // of every lamp a step, averaged
   bool registered = false;  // frames laid over the first step
   bool by_patch = false;    // registered by the grey patch alone
+  int bump_px = 0;          // the camera is moved aside by so much before the middle step
 };
 
 // Plan, rigs and card's plans in `folder`; the camera's noise and fields of every lamp in

@@ -3,7 +3,7 @@
 // against the twin's truth. It prints a row of the table in docs/reflectance.md;
 // with PATINA_REFLECTANCE_STEPS, of all seven specimens (_SIDE, _BIN: pixels of frame and texel;
 // _CLOSER: times; _FRAMES: of a lamp, averaged; _REGISTER=1: frames laid over the first step; 2: by
-// the patch alone).
+// the patch alone; _BUMP: of the camera, pixels).
 #include "tests/system/reflectance_loop.h"
 
 #include <gtest/gtest.h>
@@ -35,6 +35,7 @@ TEST_P(ReflectanceLoop, GivesTheTruthBackByItself) {
   loop.frames = setting("PATINA_REFLECTANCE_FRAMES", 1);
   loop.registered = setting("PATINA_REFLECTANCE_REGISTER", 0) != 0;
   loop.by_patch = setting("PATINA_REFLECTANCE_REGISTER", 0) == 2;
+  loop.bump_px = setting("PATINA_REFLECTANCE_BUMP", 0);
   loop.shadows = setting("PATINA_REFLECTANCE_SHADOWS", 1) != 0;
   const TempFolder folder = TempFolder::inMemory();
   ASSERT_NO_FATAL_FAILURE(prepareLoop(loop, folder));
