@@ -119,6 +119,7 @@ void PoseTrack::addByOutside(ImageView<const float> frame, FramePose& pose, Prog
                         : std::nullopt);
   describe(camera, pose);
   pose.placed = camera.verdict != Verdict::kLost;
+  pose.outside_good = isTrusted(camera.verdict);
   judge(specimen.verdict > camera.verdict ? specimen : camera, options_.keys.align, pose);
   if (specimen.verdict > camera.verdict) pose.covered_px = specimen.agreement.covered_px;
   pose.frame_from_reference = chained(camera.frame_from_reference, kept_);

@@ -38,8 +38,9 @@ struct FramePose {
   std::int64_t frame = 0;                   // count of add()
   Motion frame_from_reference = kNoMotion;  // of the specimen
   Verdict verdict = Verdict::kGood;
-  std::string reason;                    // why it is not good, with numbers: reasonOf()
-  bool placed = false;                   // where it lies was found, whatever else is the matter
+  std::string reason;         // why it is not good, with numbers: reasonOf()
+  bool placed = false;        // where it lies was found, whatever else is the matter
+  bool outside_good = false;  // the outside can be trusted: nothing is the matter with the lens
   double share = 0, uncertainty_px = 0;  // of what was held on to
   double contrast = 1, sharpness = 1;    // coarse; fine over coarse
   RectPx covered_px;                     // px of the keyframe: what is in the way or walks through

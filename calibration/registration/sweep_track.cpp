@@ -75,8 +75,11 @@ void share(const std::vector<Vote>& votes, double bump_px, SizePx size, SweepPos
   out.uncertainty_px = 1 / std::sqrt(weight);
 }
 
+// Fog and blur are the lens's, unless the outside is as clear as ever.
 bool seesSomethingElse(const FramePose& pose) {
-  return pose.verdict == Verdict::kCovered || pose.verdict == Verdict::kLost;
+  if (pose.verdict == Verdict::kFogged || pose.verdict == Verdict::kBlurred)
+    return pose.outside_good;
+  return !isTrusted(pose.verdict);
 }
 
 bool mostHaveChanged(const std::vector<SweepFramePose>& frames) {

@@ -41,7 +41,7 @@ struct SweepPoses {
 // a frame that says so alone is mistaken and not trusted. One that is not trusted is used all the
 // same, and held on to, where that is ageing:
 // - at once where something else is seen under most lamps of at least four; not where most show
-//   fog or blur;
+//   fog or blur, unless the outside is clear;
 // - where its lamp was refused in the sweep before: nothing is in the way of one lamp twice;
 // - where its lamp has never shown enough structure to be tracked: the others place it.
 // Never where fewer than a quarter of the lamps tell one pose, nor in a sweep with a bump within.

@@ -168,33 +168,46 @@ TEST(SweepTrack, OneLampOfManyDoesNotTellTheOthersPose) {
   EXPECT_EQ(used(poses), 0);
 }
 
-// Beside it a card that stays: the camera's pose is known, so the specimen has changed.
-TEST(SweepTrack, WithAnOutsideTheSpecimenMayChangeCompletelyAtOnce) {
+// A card that stays takes the right of the picture: the camera's pose is known.
+constexpr int kCardFrom = 72;
+TrackOptions besideACard() {
   TrackOptions options;
   options.outside = Image<std::uint8_t>(kWidth, kHeight, 1);
-  const RectPx card{72, 0, 56, 96};
-  for (int y = 0; y < card.height; ++y)
-    for (int x = card.x; x < kWidth; ++x) options.outside.at(x, y) = 255;
-  const auto sweep = [](PlacePx shift, std::uint64_t specimen) {
-    Sweep out(shift);
-    for (std::size_t lamp = 0; lamp < kLamps; ++lamp) {
-      Image<float> picture = waves(shift, lamp);
-      const Image<float> other = waves(shift, lamp, specimen);
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < 70; ++x) picture.at(x, y) = other.at(x, y);
-      out.set(lamp, std::move(picture));
-    }
-    return out;
-  };
-  SweepTrack track(options);
-  sweep({}, 3).in(track);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = kCardFrom; x < kWidth; ++x) options.outside.at(x, y) = 255;
+  return options;
+}
+Sweep sweepBesideACard(PlacePx shift, std::uint64_t specimen, float contrast = 1) {
+  Sweep out(shift);
+  for (std::size_t lamp = 0; lamp < kLamps; ++lamp) {
+    Image<float> picture = waves(shift, lamp);
+    const Image<float> other = waves(shift, lamp, specimen);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kCardFrom - 2; ++x)
+        picture.at(x, y) = contrast * other.at(x, y) + 0.4f * (1 - contrast);
+    out.set(lamp, std::move(picture));
+  }
+  return out;
+}
+
+TEST(SweepTrack, BesideACardTheSpecimenMayChangeCompletelyAtOnce) {
+  SweepTrack track(besideACard());
+  sweepBesideACard({}, 3).in(track);
   for (std::uint64_t k = 1; k < 5; ++k) {
     const PlacePx shift{0.3 * static_cast<double>(k), 0.1};
-    const SweepPoses poses = sweep(shift, 3 + k).in(track);
+    const SweepPoses poses = sweepBesideACard(shift, 3 + k).in(track);
     EXPECT_EQ(used(poses), 6) << k;
     ASSERT_TRUE(poses.frame_from_reference) << k;
     expectShift(*poses.frame_from_reference, shift);
   }
+}
+
+TEST(SweepTrack, BesideACardThatIsClearLossOfContrastIsAgeing) {
+  SweepTrack track(besideACard());
+  sweepBesideACard({}, 3).in(track);
+  const SweepPoses poses = sweepBesideACard({}, 3, 0.6f).in(track);
+  EXPECT_EQ(used(poses), 6);
+  EXPECT_EQ(poses.frames[0].pose.verdict, Verdict::kFogged);
 }
 
 TEST(SweepTrack, ABumpWithinASweepLeavesEachLampWhereItSaysItself) {
