@@ -116,7 +116,7 @@ void SweepTrack::begin(Lamp& lamp, const SweepFrame& frame, const std::optional<
   out.pose = lamp.track->add(frame.picture, progress);
   out.pose.frame_from_reference = lamp.first_from_reference;
   out.used = true;
-  lamp.blind = !isTrusted(out.pose.verdict);
+  lamp.doubted_before = !isTrusted(out.pose.verdict);
 }
 
 // Marks the frames beyond a bump; those that stand apart without one are lost.
@@ -174,11 +174,10 @@ SweepPoses SweepTrack::add(std::span<const SweepFrame> frames, Progress& progres
     }
     const bool trusted = isTrusted(one.pose.verdict);
     if (trusted && !out.frame_from_reference) nobodyTells(one.pose);
-    one.changed = !trusted && out.frame_from_reference && !bumped &&
-                  (most_changed || lamp.refused_before || lamp.blind);
+    one.changed =
+        !trusted && out.frame_from_reference && !bumped && (most_changed || lamp.doubted_before);
     one.used = (trusted && out.frame_from_reference) || one.changed;
-    lamp.refused_before = !one.used;
-    lamp.blind = lamp.blind && !trusted;
+    lamp.doubted_before = !trusted;
     if (!one.used) continue;
     if (!one.apart) one.pose.frame_from_reference = *out.frame_from_reference;
     lamp.track->settle(frames[k].picture,

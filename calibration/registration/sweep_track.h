@@ -42,8 +42,8 @@ struct SweepPoses {
 // same, and held on to, where that is ageing:
 // - at once where something else is seen under most lamps of at least four; not where most show
 //   fog or blur, unless the outside is clear;
-// - where its lamp was refused in the sweep before: nothing is in the way of one lamp twice;
-// - where its lamp has never shown enough structure to be tracked: the others place it.
+// - where its lamp's frame of the sweep before was not trusted either: nothing is in the way of one
+//   lamp twice, and what stays as it is has changed.
 // Never where fewer than a quarter of the lamps tell one pose, nor in a sweep with a bump within.
 // Memory: a PoseTrack a lamp. Single-threaded use.
 class SweepTrack {
@@ -57,7 +57,7 @@ class SweepTrack {
   struct Lamp {
     std::unique_ptr<PoseTrack> track;
     Motion first_from_reference = kNoMotion;
-    bool refused_before = false, blind = false;
+    bool doubted_before = false;
   };
   Lamp& lampOf(std::size_t number);
   bool findBump(SizePx size, const std::vector<bool>& tracked, SweepPoses& out) const;

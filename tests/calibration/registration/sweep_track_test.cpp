@@ -129,6 +129,8 @@ TEST(SweepTrack, FogUnderMostLampsIsNoAgeing) {
   const SweepPoses poses = fog.in(track);
   EXPECT_EQ(used(poses), 0);
   EXPECT_EQ(poses.frames[0].pose.verdict, Verdict::kFogged);
+  EXPECT_EQ(used(fog.in(track)), 6) << "it stays";
+  EXPECT_EQ(used(fog.in(track)), 6);
   SweepTrack other({});
   Sweep().in(other);
   EXPECT_EQ(used(changing.set(5, fogged(waves({}, 5))).in(other)), 6) << "one that lost contrast";
@@ -208,6 +210,23 @@ TEST(SweepTrack, BesideACardThatIsClearLossOfContrastIsAgeing) {
   const SweepPoses poses = sweepBesideACard({}, 3, 0.6f).in(track);
   EXPECT_EQ(used(poses), 6);
   EXPECT_EQ(poses.frames[0].pose.verdict, Verdict::kFogged);
+}
+
+// Its edges tell the pose as before.
+TEST(SweepTrack, ACardThatLosesContrastForGoodCostsOneSweep) {
+  const auto faded = [](PlacePx shift) {
+    Sweep out(shift);
+    for (std::size_t lamp = 0; lamp < kLamps; ++lamp) {
+      Image<float> picture = waves(shift, lamp);
+      for (float& level : picture.texels()) level = 0.6f * level + 0.2f;
+      out.set(lamp, std::move(picture));
+    }
+    return out;
+  };
+  SweepTrack track(besideACard());
+  Sweep().in(track);
+  EXPECT_EQ(used(faded({0.2, 0}).in(track)), 0);
+  for (const double x : {0.4, 0.6, 0.8}) EXPECT_EQ(used(faded({x, 0}).in(track)), 6) << x;
 }
 
 TEST(SweepTrack, ABumpWithinASweepLeavesEachLampWhereItSaysItself) {
