@@ -10,18 +10,22 @@ namespace patina::calibration {
 namespace {
 
 constexpr std::size_t kLampsThatOutvote = 4;  // fewer can be covered by one hand
-constexpr std::size_t kTrustedSuffice = 3;    // from so many on the others are not asked
 // Of a lamp's pose beside its standard error: what ageing pulls it by.
 constexpr double kOwnPx = 0.03;
 constexpr double kAsidePx = 0.25, kAsideSigmas = 3;  // from the middle of all: it takes no part
 constexpr double kBumpSigmas = 6;
-constexpr double kQuorum = 0.25;  // of the sweep's lamps that must tell one pose
+constexpr double kQuorum = 0.25;  // of the sweep's lamps: so many must tell one pose
 
 struct Vote {
   Motion motion = kNoMotion;
   double weight = 0, error_px = 0;
 };
 
+double quorumOf(const std::vector<SweepFramePose>& frames) {
+  return kQuorum * static_cast<double>(frames.size());
+}
+
+// Where those that are trusted suffice, the others are not asked.
 std::vector<Vote> votesOf(const std::vector<SweepFramePose>& frames,
                           const std::vector<bool>& tracked) {
   const auto collect = [&](auto counts) {
@@ -35,7 +39,7 @@ std::vector<Vote> votesOf(const std::vector<SweepFramePose>& frames,
   };
   std::vector<Vote> trusted =
       collect([](const FramePose& pose) { return isTrusted(pose.verdict); });
-  if (trusted.size() >= kTrustedSuffice) return trusted;
+  if (trusted.size() > 2 && static_cast<double>(trusted.size()) >= quorumOf(frames)) return trusted;
   return collect([](const FramePose& pose) { return pose.placed; });
 }
 
@@ -55,7 +59,6 @@ const Vote& middleOf(const std::vector<Vote>& votes, double bump_px, SizePx size
 }
 
 void share(const std::vector<Vote>& votes, double bump_px, SizePx size, SweepPoses& out) {
-  const double quorum = kQuorum * static_cast<double>(out.frames.size());
   if (votes.empty()) return;
   const Vote& middle = middleOf(votes, bump_px, size);
   Motion mean = middle.motion;
@@ -70,7 +73,7 @@ void share(const std::vector<Vote>& votes, double bump_px, SizePx size, SweepPos
     for (std::size_t i = 0; i < mean.size(); ++i)
       mean[i] += (vote.motion[i] - mean[i]) * vote.weight / weight;
   }
-  if (agreed < quorum) return;
+  if (agreed < quorumOf(out.frames)) return;
   out.frame_from_reference = mean;
   out.uncertainty_px = 1 / std::sqrt(weight);
 }

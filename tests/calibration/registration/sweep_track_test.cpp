@@ -59,6 +59,7 @@ class Sweep {
       set(lamp, with(pictures_[lamp], kPart, seed, shift_));
     return *this;
   }
+  const Image<float>& picture(std::size_t lamp) const { return pictures_.at(lamp); }
   Sweep& without(std::size_t lamp) {
     pictures_.erase(lamp);
     return *this;
@@ -210,6 +211,23 @@ TEST(SweepTrack, BesideACardThatIsClearLossOfContrastIsAgeing) {
   const SweepPoses poses = sweepBesideACard({}, 3, 0.6f).in(track);
   EXPECT_EQ(used(poses), 6);
   EXPECT_EQ(poses.frames[0].pose.verdict, Verdict::kFogged);
+}
+
+// Thirteen lamps, of which three see the specimen as it was: the card is seen under all of them.
+TEST(SweepTrack, LampsThatAreNotTrustedTellThePoseWhereTheOthersAreTooFew) {
+  const auto sweep = [](PlacePx shift, std::uint64_t specimen, std::size_t unchanged) {
+    Sweep out(shift);
+    const Sweep before = sweepBesideACard(shift, 3), now = sweepBesideACard(shift, specimen);
+    for (std::size_t lamp = 0; lamp < 13; ++lamp)
+      out.set(lamp, (lamp < unchanged ? before : now).picture(lamp % kLamps));
+    return out;
+  };
+  SweepTrack track(besideACard());
+  sweep({}, 3, 13).in(track);
+  const SweepPoses poses = sweep({0.5, 0.2}, 4, 3).in(track);
+  EXPECT_EQ(used(poses), 13);
+  ASSERT_TRUE(poses.frame_from_reference);
+  expectShift(*poses.frame_from_reference, {0.5, 0.2});
 }
 
 // Its edges tell the pose as before.
