@@ -55,7 +55,8 @@ StbrdfSet fitted(const SampleSet& input) {
   set.degree = kDegree;
   set.basis = basisOf(kDegree);
   for (const auto& [name, files] : input.maps) {
-    const std::vector<TimeSamples> samples{readSamples(input, name, progress)};
+    std::vector<TimeSamples> samples;  // a list in braces would be copied
+    samples.push_back(readSamples(input, name, progress));
     set.maps.push_back(
         fitMap(samples[0], {.degree = kDegree, .weights = {}, .bounded = false}, progress).map);
     benchmark::DoNotOptimize(chooseDegree(samples, {}));
