@@ -2,6 +2,7 @@
 // `stbrdf fit` from files to files beside reading and writing the same files alone: 33 steps of
 // 512x512 texels, 5 parameters, of a specimen that rusts.
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <string>
 
@@ -64,12 +65,21 @@ StbrdfSet fitted(const SampleSet& input) {
   return set;
 }
 
+// As a command of its own begins: no memory of the round before is at hand.
+void beginCold(benchmark::State& state) {
+  state.PauseTiming();
+  malloc_trim(0);
+  state.ResumeTiming();
+}
+
 void BM_StbrdfFitOfFiles(benchmark::State& state) {
   Progress progress;
   const testing::TempFolder out;
   int run = 0;
-  for (auto _ : state)
+  for (auto _ : state) {
+    beginCold(state);
     writeStbrdfSet(out / std::to_string(run++), fitted(openSamples({steps()})), progress);
+  }
 }
 
 void BM_StbrdfFilesAlone(benchmark::State& state) {
@@ -79,6 +89,7 @@ void BM_StbrdfFilesAlone(benchmark::State& state) {
   const StbrdfSet set = fitted(input);
   int run = 0;
   for (auto _ : state) {
+    beginCold(state);
     for (const auto& [name, files] : input.maps)
       benchmark::DoNotOptimize(readSamples(input, name, progress));
     writeStbrdfSet(out / std::to_string(run++), set, progress);
