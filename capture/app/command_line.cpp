@@ -81,12 +81,12 @@ Verb& Verb::byDefault(Action action) {
   CLI::App* app = node_->app;
   addGlobals(*app, node_->state->options);
   app->require_subcommand(0, 1);
-  app->final_callback([app, state = node_->state, names = node_->names,
-                       action = std::move(action)] {
-    if (!app->get_subcommands().empty()) return;
-    state->running = names;
-    state->action = action;
-  });
+  app->final_callback(
+      [app, state = node_->state, names = node_->names, action = std::move(action)] {
+        if (!app->get_subcommands().empty()) return;
+        state->running = names;
+        state->action = action;
+      });
   return *this;
 }
 
@@ -97,8 +97,7 @@ Verb Verb::verb(const std::string& name, const std::string& help, const std::str
   node->app->footer("Example:\n  " + example);
   node->names.push_back(name);
   addGlobals(*node->app, node->state->options);
-  node->app->final_callback([state = node->state, names = node->names,
-                             action = std::move(action)] {
+  node->app->final_callback([state = node->state, names = node->names, action = std::move(action)] {
     state->running = names;
     state->action = action;
   });
